@@ -1,0 +1,154 @@
+"""The expectation of a payoff under a noisy-or, as a function of its causes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from factored_pomdp.factors.base import Factor
+from factored_pomdp.factors.dense import DenseFactor
+from factored_pomdp.factors.noisy_or import NoisyOr
+from factored_pomdp.factors.sparse import SparseFactor
+from factored_pomdp.variables import Value, Variable
+
+__all__ = ["ExpectedNoisyOr", "WeightedCause"]
+
+
+@dataclass(frozen=True, eq=False)
+class WeightedCause:
+    """A cause and what it pays where it decides.
+
+    Attributes
+    ----------
+    variable : Variable or None
+    activation : (values, contexts) float
+    payoff : (contexts,) float
+    """
+
+    variable: Variable | None
+    activation: np.ndarray[Any, Any]
+    payoff: np.ndarray[Any, Any]
+
+
+class ExpectedNoisyOr(Factor):
+    """``Σ_ctx w(ctx) [Σ_i p_i(c_i) ∏_{j<i} (1 − p_j(c_j)) r_i + ∏_i (1 − p_i(c_i)) r_off]`` over the causes ``c``.
+
+    For one payoff ``r_i = 1``, ``r_off = 0`` this is weighted (probabilistic) coverage, Σ_l w(l) P(seen | l, C) of the
+    design's model; one number for each cause value and context is held, however many causes there are.
+
+    Parameters
+    ----------
+    weights : (contexts,) float
+    causes : sequence of WeightedCause
+    off_payoff : (contexts,) float
+    """
+
+    def __init__(
+        self, weights: np.ndarray[Any, Any], causes: Sequence[WeightedCause], off_payoff: np.ndarray[Any, Any]
+    ) -> None:
+        self.weights, self.causes, self.off_payoff = weights, tuple(causes), off_payoff
+        self.scope = tuple(dict.fromkeys(cause.variable for cause in causes if cause.variable is not None))
+
+    @classmethod
+    def of(cls, table: NoisyOr, weights: np.ndarray[Any, Any], payoff: np.ndarray[Any, Any]) -> ExpectedNoisyOr:
+        """Expectation of ``payoff`` (contexts or 1, child values) under ``table`` with weights (contexts,)."""
+        contexts = weights.shape[0]
+        full = np.broadcast_to(payoff, (contexts, table.child.size))
+        uniform = payoff.shape[0] == 1
+        causes = [
+            WeightedCause(
+                c.variable,
+                c.activation,
+                c.emission @ payoff[0] if uniform else np.asarray(c.emission.multiply(payoff).sum(axis=1)).ravel(),
+            )
+            for c in table.causes
+        ]
+        return cls(weights, causes, full[:, table.off_index])
+
+    @property
+    def stored(self) -> int:
+        return sum(cause.activation.size for cause in self.causes)
+
+    def condition(self, assignment: Mapping[str, Value]) -> ExpectedNoisyOr:
+        causes = []
+        for cause in self.causes:
+            if cause.variable is None or cause.variable.name not in assignment:
+                causes.append(cause)
+            elif (value := assignment[cause.variable.name]) is not None:
+                row = cause.activation[cause.variable.index(value)][None]
+                causes.append(WeightedCause(None, row, cause.payoff))
+        return ExpectedNoisyOr(self.weights, causes, self.off_payoff)
+
+    def renamed(self, names: Mapping[str, str]) -> ExpectedNoisyOr:
+        causes = [
+            WeightedCause(
+                None if c.variable is None else c.variable.renamed(names.get(c.variable.name, c.variable.name)),
+                c.activation,
+                c.payoff,
+            )
+            for c in self.causes
+        ]
+        return ExpectedNoisyOr(self.weights, causes, self.off_payoff)
+
+    def substituted(self, variable: Variable, by: Variable, indexes: np.ndarray[Any, Any]) -> ExpectedNoisyOr:
+        causes = [
+            WeightedCause(by, c.activation[indexes], c.payoff) if c.variable == variable else c for c in self.causes
+        ]
+        return ExpectedNoisyOr(self.weights, causes, self.off_payoff)
+
+    def fold(self) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+        """Expected payoff before anything is silent, and silence, as (joint cause values, contexts) arrays each.
+
+        Joint values are in row-major order of `scope`. Multiplied out, so meant for few causes at a time.
+        """
+        paid = np.zeros((1, len(self.weights)))
+        silent = np.ones((1, len(self.weights)))
+        for cause in self.causes:
+            paid = (paid[:, None] + silent[:, None] * cause.activation[None] * cause.payoff).reshape(-1, len(self.weights))
+            silent = (silent[:, None] * (1 - cause.activation)[None]).reshape(-1, len(self.weights))
+        return paid, silent
+
+    def split(self, first: int) -> tuple[ExpectedNoisyOr, ExpectedNoisyOr]:
+        """The first causes (nothing paid for silence) and the others."""
+        before = ExpectedNoisyOr(self.weights, self.causes[:first], np.zeros_like(self.off_payoff))
+        return before, ExpectedNoisyOr(self.weights, self.causes[first:], self.off_payoff)
+
+    def at(self, choice: Mapping[str, int]) -> float:
+        """The number at one joint choice of value positions, cause by cause."""
+        paid, silent = 0.0, self.weights
+        for cause in self.causes:
+            acting = cause.activation[choice[cause.variable.name] if cause.variable is not None else 0]
+            paid += float(np.dot(silent * acting, cause.payoff))
+            silent = silent * (1 - acting)
+        return paid + float(np.dot(silent, self.off_payoff))
+
+    @property
+    def pays_once(self) -> bool:
+        """Whether every cause pays the same, and no less than silence: then the function is monotone and submodular."""
+        if (self.weights < 0).any():
+            return False
+        payoffs = [cause.payoff for cause in self.causes]
+        if not payoffs:
+            return True
+        seen = self.weights > 0
+        return all(np.array_equal(p[seen], payoffs[0][seen]) for p in payoffs) and bool(
+            (payoffs[0][seen] >= self.off_payoff[seen]).all()
+        )
+
+    def dense(self) -> DenseFactor:
+        self.refuse_if_large(self.scope)
+        if len(self.scope) != sum(cause.variable is not None for cause in self.causes):
+            raise ValueError("two causes share a variable; condition on it first")
+        half = (len(self.causes) + 1) // 2
+        first, second = self.split(half)
+        paid_first, silent_first = first.fold()
+        paid_second, silent_second = second.fold()
+        rest = paid_second + silent_second * self.off_payoff
+        table = (paid_first @ self.weights)[:, None] + (silent_first * self.weights) @ rest.T
+        return DenseFactor(self.scope, table.reshape([variable.size for variable in self.scope]))
+
+    def sparse(self) -> SparseFactor:
+        return self.dense().sparse()

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from factored_pomdp.factors.dense import DenseFactor
     from factored_pomdp.factors.sparse import SparseFactor
 
-__all__ = ["MAX_ENTRIES", "Factor", "union"]
+__all__ = ["MAX_ENTRIES", "Factor", "address", "union"]
 
 MAX_ENTRIES = 50_000_000
 """Entries that a single factor may hold (400 MB of doubles) before an operation refuses to make it."""
@@ -50,6 +50,11 @@ class Factor(ABC):
     @abstractmethod
     def stored(self) -> int:
         """How many numbers this representation holds."""
+
+    @property
+    @abstractmethod
+    def storage(self) -> tuple[int, ...]:
+        """Addresses of the arrays that hold the numbers: equal for factors that are renamings of one another."""
 
     def product(self, other: Factor) -> Factor:
         """Pointwise product over the union of the scopes."""
@@ -113,6 +118,11 @@ class Factor(ABC):
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(self.names)}; {self.stored} stored)"
+
+
+def address(array: np.ndarray[Any, Any]) -> int:
+    """Where an array's numbers lie in memory."""
+    return int(array.__array_interface__["data"][0])
 
 
 def union(*scopes: Iterable[Variable]) -> tuple[Variable, ...]:

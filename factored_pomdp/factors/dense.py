@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from factored_pomdp.factors.base import Factor, union
+from factored_pomdp.factors.base import Factor, address, union
 from factored_pomdp.variables import Value, Variable
 
 __all__ = ["DenseFactor", "constant"]
@@ -30,6 +30,10 @@ class DenseFactor(Factor):
         shape = tuple(variable.size for variable in self.scope)
         if self.array.shape != shape:
             raise ValueError(f"array of shape {self.array.shape} for {self.names}, whose sizes are {shape}")
+
+    @property
+    def storage(self) -> tuple[int, ...]:
+        return (address(self.array),)
 
     @property
     def stored(self) -> int:

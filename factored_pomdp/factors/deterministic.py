@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from factored_pomdp.factors.base import Factor
+from factored_pomdp.factors.base import Factor, address
 from factored_pomdp.factors.dense import DenseFactor
 from factored_pomdp.factors.sparse import SparseFactor, unflatten
 from factored_pomdp.variables import Value, Variable, count
@@ -30,6 +30,10 @@ class DeterministicFactor(Factor):
         self.parents, self.child = tuple(parents), child
         self.scope = (*self.parents, child)
         self.indexes = np.asarray(indexes, dtype=np.int64).reshape([parent.size for parent in self.parents])
+
+    @property
+    def storage(self) -> tuple[int, ...]:
+        return (address(self.indexes),)
 
     @property
     def stored(self) -> int:

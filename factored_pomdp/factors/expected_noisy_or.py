@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from factored_pomdp.factors.base import Factor
+from factored_pomdp.factors.base import Factor, address
 from factored_pomdp.factors.dense import DenseFactor
 from factored_pomdp.factors.noisy_or import NoisyOr
 from factored_pomdp.factors.sparse import SparseFactor
@@ -67,6 +67,10 @@ class ExpectedNoisyOr(Factor):
             for c in table.causes
         ]
         return cls(weights, causes, full[:, table.off_index])
+
+    @property
+    def storage(self) -> tuple[int, ...]:
+        return (address(self.weights), *(address(cause.activation) for cause in self.causes))
 
     @property
     def stored(self) -> int:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from factored_pomdp.errors import TooLarge
-from factored_pomdp.factors.base import MAX_ENTRIES, Factor
+from factored_pomdp.factors.base import MAX_ENTRIES, Factor, address
 from factored_pomdp.factors.dense import DenseFactor
 from factored_pomdp.factors.sparse import SparseFactor, unflatten
 from factored_pomdp.variables import Value, Variable, count
@@ -66,6 +66,11 @@ class NoisyOr(Factor):
                 raise ValueError(f"activation of {name}: shape {cause.activation.shape}, expected {(values, contexts)}")
             if cause.emission.shape != (contexts, child.size):
                 raise ValueError(f"emission of {name}: shape {cause.emission.shape}, expected {(contexts, child.size)}")
+
+    @property
+    def storage(self) -> tuple[int, ...]:
+        arrays = [array for cause in self.causes for array in (cause.activation, cause.emission.data)]
+        return tuple(address(array) for array in arrays)
 
     @property
     def stored(self) -> int:

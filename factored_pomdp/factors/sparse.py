@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from factored_pomdp.errors import TooLarge
-from factored_pomdp.factors.base import MAX_ENTRIES, Factor, union
+from factored_pomdp.factors.base import MAX_ENTRIES, Factor, address, union
 from factored_pomdp.factors.dense import DenseFactor
 from factored_pomdp.variables import Value, Variable
 
@@ -30,6 +30,10 @@ class SparseFactor(Factor):
         self.scope = tuple(scope)
         self.numbers = np.asarray(numbers, dtype=float)
         self.coordinates = np.asarray(coordinates).reshape(len(self.numbers), len(self.scope))
+
+    @property
+    def storage(self) -> tuple[int, ...]:
+        return (address(self.coordinates), address(self.numbers))
 
     @property
     def stored(self) -> int:

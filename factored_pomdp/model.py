@@ -1,0 +1,263 @@
+"""A decision problem under uncertainty, as named variables and factors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+from factored_pomdp.errors import Fault, ModelError, did_you_mean
+from factored_pomdp.factors import Factor
+from factored_pomdp.specification import Specification, resolve
+from factored_pomdp.validation import checked_distribution, checked_reward
+from factored_pomdp.variables import Value, Variable, count
+
+__all__ = ["FactoredPOMDP"]
+
+
+class FactoredPOMDP:
+    """States, actions, observations, one conditional distribution for each, a sum of rewards, a belief, a discount.
+
+    The model is made in full or not at all: `ModelError` lists every fault. Distributions are given as a function of
+    named values (its parameters name the parents; it returns ``{value: probability}``, or one value where the outcome
+    is certain), as a nested mapping or an array through `table`, or as a `Factor`.
+
+    Parameters
+    ----------
+    states, actions, observations : sequences of Variable
+    transition : mapping
+        For each state variable ``x`` the distribution of ``x.next`` given states, actions and other ``y.next``.
+    observation : mapping
+        For each observation variable its distribution given next states and actions.
+    reward : mapping of name to specification, or one specification
+        A sum of functions of any of state, action, next state, observation.
+    initial : mapping
+        For each state variable its distribution, given other state variables where they are tied; a bare value is
+        certain.
+    discount : float
+        In [0, 1].
+    known : iterable of str
+        State variables that are read back after every step, besides those that `decompose` finds to be known.
+    groups : iterable of iterables of str
+        State variables that make up one thing (a target's place and heading). They are never told apart, and no tie
+        within a group is reported.
+    legal : mapping of action name to function
+        For an action variable, a function of (known state variables, that action) which says whether it may be chosen.
+
+    Attributes
+    ----------
+    notes : tuple of str
+        What was mended (distributions renormalised within 1e-5).
+    """
+
+    def __init__(
+        self,
+        *,
+        states: Sequence[Variable],
+        actions: Sequence[Variable],
+        observations: Sequence[Variable],
+        transition: Mapping[str, Specification],
+        observation: Mapping[str, Specification],
+        reward: Mapping[str, Specification] | Specification,
+        initial: Mapping[str, Any],
+        discount: float = 1.0,
+        known: Iterable[str] = (),
+        groups: Iterable[Iterable[str]] = (),
+        legal: Mapping[str, Callable[..., Any] | Specification] | None = None,
+        name: str = "model",
+    ) -> None:
+        self.name, self.discount = name, discount
+        self.states, self.actions, self.observations = tuple(states), tuple(actions), tuple(observations)
+        self.declared_known = frozenset(known)
+        self.groups = tuple(tuple(group) for group in groups)
+        faults = self._name_faults()
+        if faults:
+            raise ModelError(faults)
+        notes: list[str] = []
+        state, action = _by_name(self.states), _by_name(self.actions)
+        after = _by_name(variable.next for variable in self.states)
+        seen = _by_name(self.observations)
+        everything = state | action | after | seen
+        build = _Builder(faults, notes)
+        self.initial = build.distributions("initial", initial, {x: v for x, v in state.items()}, state)
+        self.transition = build.distributions(
+            "transition", transition, {x: v.next for x, v in state.items()}, state | action | after
+        )
+        self.observation = build.distributions("observation", observation, seen, after | action | seen)
+        self.reward = build.rewards(reward, everything)
+        self.legal = build.legal(legal or {}, action, state)
+        build.acyclic("initial", self.initial)
+        build.acyclic("transition", self.transition)
+        build.acyclic("observation", self.observation)
+        if not (isinstance(discount, int | float) and 0 <= discount <= 1):
+            faults.append(Fault("discount", repr(discount), "a number in [0, 1]"))
+        if faults:
+            raise ModelError(faults)
+        self.notes = tuple(notes)
+
+    @cached_property
+    def variables(self) -> dict[str, Variable]:
+        """Every variable by name, those of the next slice included."""
+        return _by_name([*self.states, *(v.next for v in self.states), *self.actions, *self.observations])
+
+    def variable(self, name: str) -> Variable:
+        """The variable of that name; ``ValueError`` with a suggestion if there is none."""
+        if name not in self.variables:
+            raise ValueError(f"no variable {name!r} in {self.name}{did_you_mean(name, self.variables)}")
+        return self.variables[name]
+
+    @property
+    def joint_states(self) -> int:
+        return count(self.states)
+
+    @property
+    def joint_actions(self) -> int:
+        return count(self.actions)
+
+    @property
+    def joint_observations(self) -> int:
+        return count(self.observations)
+
+    def action(self, action: Any) -> dict[str, Value]:
+        """A full joint action from a mapping, or from a bare value where there is one action variable."""
+        return self._assignment(action, self.actions, "action", complete=True)
+
+    def observed(self, observation: Any) -> dict[str, Value]:
+        """Values of observation variables; those left out were not observed."""
+        return self._assignment(observation, self.observations, "observation", complete=False)
+
+    def is_legal(self, action: Mapping[str, Value], known: Mapping[str, Value]) -> bool:
+        """Whether every action variable's value may be chosen in a known state (unknown parts forbid nothing)."""
+        for factor in self.legal.values():
+            given = {**known, **action}
+            if all(given.get(name) is not None for name in factor.names) and not factor.value(given):
+                return False
+        return True
+
+    def _assignment(self, given: Any, variables: tuple[Variable, ...], what: str, *, complete: bool) -> dict[str, Value]:
+        if not isinstance(given, Mapping):
+            if len(variables) != 1:
+                raise ValueError(f"{what} {given!r}: expected a mapping of {', '.join(v.name for v in variables)}")
+            given = {variables[0].name: given}
+        by_name = _by_name(variables)
+        for name, value in given.items():
+            if name not in by_name:
+                raise ValueError(f"no {what} variable {name!r}{did_you_mean(name, by_name)}")
+            by_name[name].index(value)
+        missing = [name for name in by_name if name not in given]
+        if complete and missing:
+            raise ValueError(f"{what}: no value for {', '.join(missing)}")
+        return dict(given)
+
+    def _name_faults(self) -> list[Fault]:
+        faults = []
+        names: dict[str, str] = {}
+        kinds = [("state", self.states), ("action", self.actions), ("observation", self.observations)]
+        for kind, variables in kinds:
+            for variable in variables:
+                if not isinstance(variable, Variable):
+                    faults.append(Fault(kind, repr(variable), "a Variable"))
+                    continue
+                if variable.name in names:
+                    faults.append(Fault(f"variable {variable.name}", f"a {names[variable.name]} and a {kind}", "a name used once"))
+                if variable.is_next:
+                    faults.append(Fault(f"variable {variable.name}", "the ending '.next'", "a name without it"))
+                names[variable.name] = kind
+        if not self.states:
+            faults.append(Fault("states", "none", "at least one variable"))
+        if not self.actions:
+            faults.append(Fault("actions", "none", "at least one variable"))
+        states = {variable.name for variable in self.states if isinstance(variable, Variable)}
+        for what, listed in (("known", self.declared_known), *((f"group {g}", g) for g in self.groups)):
+            for name in listed:
+                if name not in states:
+                    faults.append(Fault(what, f"the unknown state {name!r}", f"a state variable{did_you_mean(name, states)}"))
+        return faults
+
+    def __repr__(self) -> str:
+        return (
+            f"FactoredPOMDP({self.name!r}: {len(self.states)} state variables, {self.joint_states:,} joint states, "
+            f"{self.joint_actions:,} actions, {self.joint_observations:,} observations)"
+        )
+
+
+class _Builder:
+    """Turns specifications into checked factors and gathers faults and notes."""
+
+    def __init__(self, faults: list[Fault], notes: list[str]) -> None:
+        self.faults, self.notes = faults, notes
+        self._tables: dict[tuple[int, ...], tuple[Factor, Factor]] = {}
+
+    def distributions(
+        self, kind: str, given: Mapping[str, Any], children: Mapping[str, Variable], allowed: Mapping[str, Variable]
+    ) -> dict[str, Factor]:
+        factors = {}
+        for name in given:
+            if name not in children:
+                expected = f"one of the model's variables{did_you_mean(name, children)}"
+                self.faults.append(Fault(f"{kind}[{name!r}]", "an unknown variable", expected))
+        for name, child in children.items():
+            where = f"{kind} of {child.name}"
+            if name not in given:
+                self.faults.append(Fault(where, "no distribution", "one for every variable"))
+                continue
+            factor = resolve(given[name], child, allowed, where, self.faults)
+            if factor is not None:
+                factors[name] = self._checked(factor, child, where)
+        return factors
+
+    def _checked(self, factor: Factor, child: Variable, where: str) -> Factor:
+        """Check a distribution once for all the variables whose tables it is."""
+        key = (*factor.storage, factor.scope.index(child), *(variable.size for variable in factor.scope))
+        if key not in self._tables:
+            faults = len(self.faults)
+            checked = checked_distribution(factor, child, where, self.faults, self.notes)
+            if len(self.faults) > faults:
+                return factor
+            self._tables[key] = factor, checked
+        original, checked = self._tables[key]
+        return checked.renamed(dict(zip(original.names, factor.names, strict=True)))
+
+    def rewards(self, given: Any, variables: Mapping[str, Variable]) -> dict[str, Factor]:
+        named = given if isinstance(given, Mapping) else {"reward": given}
+        factors = {}
+        for name, specification in named.items():
+            where = f"reward {name}"
+            factor = resolve(specification, None, variables, where, self.faults)
+            if factor is not None:
+                factors[str(name)] = checked_reward(factor, where, self.faults)
+        return factors
+
+    def legal(
+        self, given: Mapping[str, Any], actions: Mapping[str, Variable], states: Mapping[str, Variable]
+    ) -> dict[str, Factor]:
+        factors = {}
+        for name, specification in given.items():
+            if name not in actions:
+                self.faults.append(Fault(f"legal[{name!r}]", "an unknown action", f"an action{did_you_mean(name, actions)}"))
+                continue
+            factor = resolve(specification, None, states | {name: actions[name]}, f"legal {name}", self.faults)
+            if factor is None:
+                continue
+            table = factor.dense()
+            if actions[name] in table.scope and not (table.array.max(axis=table.scope.index(actions[name])) > 0).all():
+                self.faults.append(Fault(f"legal {name}", "a state without any legal action", "at least one"))
+            factors[name] = factor
+        return factors
+
+    def acyclic(self, kind: str, factors: Mapping[str, Factor]) -> None:
+        """Note the distributions that depend on each other in a circle (within one slice)."""
+        same_slice = {name: factor.scope for name, factor in factors.items()}
+        twin = {v.name: name for name, scope in same_slice.items() for v in scope if v.name in (name, f"{name}.next")}
+        if kind == "transition":
+            twin = {f"{name}.next": name for name in factors}
+        left = {n: {twin[v.name] for v in scope if v.name in twin} - {n} for n, scope in same_slice.items()}
+        while ready := [name for name, needs in left.items() if not needs & left.keys()]:
+            for name in ready:
+                del left[name]
+        if left:
+            self.faults.append(Fault(kind, f"a circle through {', '.join(left)}", "distributions in some order"))
+
+
+def _by_name(variables: Iterable[Variable]) -> dict[str, Variable]:
+    return {variable.name: variable for variable in variables}

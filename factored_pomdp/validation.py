@@ -1,0 +1,121 @@
+"""Everything that can be wrong with a distribution or a reward, found at once and said with the parents' assignment."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from factored_pomdp.errors import Fault
+from factored_pomdp.factors import DenseFactor, DeterministicFactor, Factor, NoisyOr, SparseFactor
+from factored_pomdp.factors.sparse import unflatten
+from factored_pomdp.variables import Variable, count
+
+__all__ = ["TOLERANCE", "checked_distribution", "checked_reward"]
+
+TOLERANCE = 1e-5
+"""How far a column's sum may lie from one and still be renormalised (with a note)."""
+
+_EXACT = 1e-9
+
+
+def checked_distribution(
+    factor: Factor, child: Variable, where: str, faults: list[Fault], notes: list[str]
+) -> Factor:
+    """The factor, columns normalised exactly; faults and notes are added to the lists."""
+    if isinstance(factor, DeterministicFactor) and factor.child == child:
+        _check_indexes(factor, where, faults)
+        return factor
+    if isinstance(factor, NoisyOr) and factor.child == child:
+        _check_noisy_or(factor, where, faults)
+        return factor
+    parents = tuple(variable for variable in factor.scope if variable != child)
+    table = factor if isinstance(factor, SparseFactor) else factor.dense()
+    numbers = table.numbers if isinstance(table, SparseFactor) else table.array.ravel()
+    wrong = np.flatnonzero(~((numbers >= 0) & (numbers <= 1 + TOLERANCE)))
+    for position in wrong:
+        at = _entry(table, int(position))
+        faults.append(Fault(f"{where}{_at(table.scope, at)}", f"{numbers[position]:g}", "a probability in [0, 1]"))
+    if len(wrong):
+        return factor
+    sums = _sums(table, parents)
+    for position in np.flatnonzero(np.abs(sums - 1) > TOLERANCE):
+        at = unflatten(np.array([position]), parents)[0]
+        faults.append(Fault(f"{where}{_at(parents, at)}", f"probabilities that sum to {sums[position]:.9g}", "sum 1"))
+    if (np.abs(sums - 1) > TOLERANCE).any():
+        return factor
+    off = int((np.abs(sums - 1) > _EXACT).sum())
+    if off:
+        worst = unflatten(np.array([np.abs(sums - 1).argmax()]), parents)[0]
+        notes.append(
+            f"{where}: {off} of {len(sums)} distributions renormalised (worst sum {sums[np.abs(sums - 1).argmax()]:.9g}"
+            f"{' at' + _at(parents, worst) if parents else ''})"
+        )
+    return _normalised(table, parents, sums) if (sums != 1).any() else table
+
+
+def checked_reward(factor: Factor, where: str, faults: list[Fault]) -> Factor:
+    """The factor; numbers that are not finite are noted as faults."""
+    table = factor if isinstance(factor, SparseFactor) else factor.dense()
+    numbers = table.numbers if isinstance(table, SparseFactor) else table.array.ravel()
+    for position in np.flatnonzero(~np.isfinite(numbers)):
+        at = _entry(table, int(position))
+        faults.append(Fault(f"{where}{_at(table.scope, at)}", f"{numbers[position]:g}", "a finite number"))
+    return factor
+
+
+def _sums(table: SparseFactor | DenseFactor, parents: tuple[Variable, ...]) -> np.ndarray[Any, Any]:
+    if isinstance(table, SparseFactor):
+        return np.bincount(table.flat(parents), weights=table.numbers, minlength=count(parents))
+    axis = next(axis for axis, variable in enumerate(table.scope) if variable not in parents)
+    return table.array.sum(axis=axis).ravel()
+
+
+def _normalised(
+    table: SparseFactor | DenseFactor, parents: tuple[Variable, ...], sums: np.ndarray[Any, Any]
+) -> Factor:
+    if isinstance(table, SparseFactor):
+        return SparseFactor(table.scope, table.coordinates, table.numbers / sums[table.flat(parents)])
+    axis = next(axis for axis, variable in enumerate(table.scope) if variable not in parents)
+    return DenseFactor(table.scope, table.array / table.array.sum(axis=axis, keepdims=True))
+
+
+def _check_indexes(factor: DeterministicFactor, where: str, faults: list[Fault]) -> None:
+    flat = factor.indexes.ravel()
+    for position in np.flatnonzero((flat < 0) | (flat >= factor.child.size)):
+        at = unflatten(np.array([position]), factor.parents)[0]
+        faults.append(
+            Fault(f"{where}{_at(factor.parents, at)}", f"value number {flat[position]}", f"0 to {factor.child.size - 1}")
+        )
+
+
+def _check_noisy_or(factor: NoisyOr, where: str, faults: list[Fault]) -> None:
+    for cause in factor.causes:
+        name = cause.variable.name if cause.variable is not None else "leak"
+        for value, context in np.argwhere(~((cause.activation >= 0) & (cause.activation <= 1))):
+            at = _at(factor.context, unflatten(np.array([context]), factor.context)[0])
+            label = cause.variable.values[int(value)] if cause.variable is not None else "always"
+            faults.append(
+                Fault(f"{where}, cause {name}={label}{at}", f"{cause.activation[value, context]:g}", "a probability in [0, 1]")
+            )
+        needed = cause.activation.max(axis=0) > 0
+        sums = np.asarray(cause.emission.sum(axis=1)).ravel()
+        for context in np.flatnonzero(needed & ~(np.abs(sums - 1) <= TOLERANCE)):
+            at = _at(factor.context, unflatten(np.array([context]), factor.context)[0])
+            faults.append(Fault(f"{where}, emission of {name}{at}", f"probabilities that sum to {sums[context]:.9g}", "sum 1"))
+        if cause.emission.nnz and (cause.emission.data < 0).any():
+            faults.append(Fault(f"{where}, emission of {name}", "a negative number", "probabilities"))
+        if cause.emission[:, [factor.off_index]].sum() > 0:
+            faults.append(Fault(f"{where}, emission of {name}", f"mass on {factor.off!r}", "none: that value means silence"))
+
+
+def _entry(table: SparseFactor | DenseFactor, position: int) -> np.ndarray[Any, Any]:
+    if isinstance(table, SparseFactor):
+        return np.asarray(table.coordinates[position])
+    return unflatten(np.array([position]), table.scope)[0]
+
+
+def _at(variables: tuple[Variable, ...], index: np.ndarray[Any, Any]) -> str:
+    if not variables:
+        return ""
+    return " at " + ", ".join(f"{v.name}={v.values[int(i)]}" for v, i in zip(variables, index, strict=True))

@@ -1,0 +1,52 @@
+"""The planning grid of a site: rows drawn in the site file, or a ROS map_server map."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from surveillance_domain.site.faults import Fault
+from surveillance_domain.site.grid import Grid
+from surveillance_domain.site.ros_maps import RosMapError, read_ros_map
+from surveillance_domain.site.sections import Map
+
+__all__ = ["build_grid"]
+
+
+def build_grid(section: Map, folder: Path) -> tuple[Grid | None, tuple[bytes, ...], tuple[Fault, ...]]:
+    """The grid, the contents of the files that it was made from, and the faults (then there is no grid)."""
+    if (section.rows is None) == (section.ros is None):
+        found = "neither rows nor ros" if section.rows is None else "both rows and ros"
+        return None, (), (Fault("map", found, "one of the two"),)
+    if section.rows is not None:
+        faults = _row_faults(section.rows)
+        if faults:
+            return None, (), faults
+        return _unless_full(Grid.from_rows(list(section.rows), section.cell_m), "map.rows", ())
+    try:
+        ros_map = read_ros_map(folder / str(section.ros))
+        grid = ros_map.grid(section.cell_m, section.unknown)
+    except RosMapError as error:
+        return None, (), tuple(Fault(f"map.ros ({fault.where})", fault.found, fault.expected) for fault in error.faults)
+    return _unless_full(grid, "map.ros", ros_map.contents)
+
+
+def _unless_full(
+    grid: Grid, where: str, contents: tuple[bytes, ...]
+) -> tuple[Grid | None, tuple[bytes, ...], tuple[Fault, ...]]:
+    if grid.size == 0:
+        return None, (), (Fault(where, "a map without free cells", "at least one free cell"),)
+    return grid, contents, ()
+
+
+def _row_faults(rows: tuple[str, ...]) -> tuple[Fault, ...]:
+    width = len(rows[0])
+    if width == 0:
+        return (Fault("map.rows[0]", "an empty row", "'#' blocked and '.' free"),)
+    faults = []
+    for index, row in enumerate(rows):
+        wrong = sorted(set(row) - set(".#"))
+        if wrong:
+            faults.append(Fault(f"map.rows[{index}]", f'the mark "{wrong[0]}"', "'#' blocked and '.' free only"))
+        if len(row) != width:
+            faults.append(Fault(f"map.rows[{index}]", f"{len(row)} marks", f"{width}, as in the first row"))
+    return tuple(faults)

@@ -2,6 +2,7 @@
 PYTHON ?= python3
 WORKERS ?= 2
 BIN := .venv/bin
+PYTEST := $(BIN)/pytest -n $(WORKERS) -p nbmake --nbmake tests notebooks
 EXTRAS := dev,notebooks,vision,page,cluster
 
 .DEFAULT_GOAL := help
@@ -15,10 +16,10 @@ demo: .venv/.installed-core ## the main job: verify, compare, simulate; leaves p
 	$(BIN)/python -m surveillance_domain.commands.demo --out out/demo
 
 test: .venv/.installed-dev ## the fast tests, notebooks included
-	$(BIN)/pytest -n $(WORKERS) -m "not slow"
+	$(PYTEST) -m "not slow"
 
 test-all: .venv/.installed-dev ## every test, the slow ones too
-	$(BIN)/pytest -n $(WORKERS)
+	$(PYTEST)
 
 lint: .venv/.installed-dev ## style, format, and the floors of the house
 	$(BIN)/ruff check .

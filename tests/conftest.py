@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -28,9 +27,3 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     """Fail a test that does not say of which kind it is."""
     if not any(item.get_closest_marker(kind) for kind in KINDS):
         pytest.fail(f"{item.nodeid} has no kind: mark it with one of {', '.join(KINDS)}", pytrace=False)
-
-
-@pytest.fixture(scope="session")
-def project_folder() -> Path:
-    """Return the folder that holds `pyproject.toml`."""
-    return Path(__file__).parents[1]

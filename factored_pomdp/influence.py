@@ -35,17 +35,17 @@ class Influences:
     """`influence`, computed once for factors that share their tables."""
 
     def __init__(self) -> None:
-        self._found: dict[tuple[int, ...], tuple[Witness | None, tuple[str, ...]]] = {}
+        self._found: dict[tuple[int, ...], tuple[Witness | None, Factor]] = {}
 
     def of(self, factor: Factor, variable: Variable) -> Witness | None:
         """As `influence`."""
         key = (*factor.storage, factor.scope.index(variable), *(v.size for v in factor.scope))
         if key not in self._found:
-            self._found[key] = influence(factor, variable), factor.names
-        witness, names = self._found[key]
-        if witness is None or names == factor.names:
+            self._found[key] = influence(factor, variable), factor
+        witness, first = self._found[key]
+        if witness is None or first.names == factor.names:
             return witness
-        new = dict(zip(names, factor.names, strict=True))
+        new = dict(zip(first.names, factor.names, strict=True))
         return Witness(witness.values, {new[name]: value for name, value in witness.others.items()})
 
     def scope(self, factor: Factor) -> tuple[Variable, ...]:

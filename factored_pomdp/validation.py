@@ -36,13 +36,14 @@ def checked_distribution(
     for position in wrong:
         at = _entry(table, int(position))
         faults.append(Fault(f"{where}{_at(table.scope, at)}", f"{numbers[position]:g}", "a probability in [0, 1]"))
-    if len(wrong):
-        return factor
     sums = _sums(table, parents)
-    for position in np.flatnonzero(np.abs(sums - 1) > TOLERANCE):
+    wrong_columns = _columns(table, parents)[wrong] if len(wrong) else []
+    off_one = ~(np.abs(sums - 1) <= TOLERANCE)
+    off_one[wrong_columns] = False
+    for position in np.flatnonzero(off_one):
         at = unflatten(np.array([position]), parents)[0]
         faults.append(Fault(f"{where}{_at(parents, at)}", f"probabilities that sum to {sums[position]:.9g}", "sum 1"))
-    if (np.abs(sums - 1) > TOLERANCE).any():
+    if len(wrong) or off_one.any():
         return factor
     off = int((np.abs(sums - 1) > _EXACT).sum())
     if off:
@@ -69,6 +70,16 @@ def _sums(table: SparseFactor | DenseFactor, parents: tuple[Variable, ...]) -> n
         return np.bincount(table.flat(parents), weights=table.numbers, minlength=count(parents))
     axis = next(axis for axis, variable in enumerate(table.scope) if variable not in parents)
     return table.array.sum(axis=axis).ravel()
+
+
+def _columns(table: SparseFactor | DenseFactor, parents: tuple[Variable, ...]) -> np.ndarray[Any, Any]:
+    """For each stored number, which assignment of the parents it belongs to."""
+    if isinstance(table, SparseFactor):
+        return table.flat(parents)
+    axis = next(axis for axis, variable in enumerate(table.scope) if variable not in parents)
+    shape = [1 if position == axis else variable.size for position, variable in enumerate(table.scope)]
+    numbered = np.arange(count(parents)).reshape(shape)
+    return np.broadcast_to(numbered, table.array.shape).ravel()
 
 
 def _normalised(

@@ -1,0 +1,105 @@
+"""Whether a table falls apart numerically: a sum over groups of variables, or a product over them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from factored_pomdp.factors import DenseFactor, Factor
+from factored_pomdp.variables import Variable, count
+
+__all__ = ["additive_parts", "multiplicative_parts"]
+
+_SAME = 1e-12
+_MOST_GROUPS = 6
+_MOST_ENTRIES = 5_000_000
+
+Group = tuple[Variable, ...]
+
+
+def additive_parts(factor: Factor, groups: Sequence[Group]) -> list[tuple[list[int], Factor]]:
+    """Write a reward as a sum of parts, each over as few groups as it can be.
+
+    Parameters
+    ----------
+    groups : sequence of tuples of Variable
+        Disjoint parts of the scope; the rest of the scope is context and stays in every part.
+
+    Returns
+    -------
+    list of (numbers of the groups that interact, factor over them and the context)
+        One part with all groups where the table is too large to look at.
+    """
+    whole = [(list(range(len(groups))), factor)]
+    if len(groups) < 2 or factor.size > _MOST_ENTRIES:
+        return whole
+    context = tuple(variable for variable in factor.scope if not any(variable in group for group in groups))
+    shape = (count(context), *(count(group) for group in groups))
+    array = factor.array_over([*context, *itertools.chain(*groups)]).reshape(shape)
+    scale = max(1.0, float(np.abs(array).max()))
+    tied = {number: {number} for number in range(len(groups))}
+    for one, other in itertools.combinations(range(len(groups)), 2):
+        if np.abs(_difference(_difference(array, one + 1), other + 1)).max() > _SAME * scale:
+            merged = tied[one] | tied[other]
+            for number in merged:
+                tied[number] = merged
+    components = sorted({tuple(sorted(component)) for component in tied.values()})
+    if len(components) == 1:
+        return whole
+    parts = []
+    for position, component in enumerate(components):
+        index: list[Any] = [slice(None)] + [slice(None) if n in component else slice(0, 1) for n in range(len(groups))]
+        part = array[tuple(index)]
+        if position:
+            part = part - array[(slice(None), *[slice(0, 1)] * len(groups))]
+        scope = [*context, *itertools.chain(*(groups[number] for number in component))]
+        parts.append((list(component), DenseFactor(scope, part.reshape([variable.size for variable in scope]))))
+    return parts
+
+
+def multiplicative_parts(factor: Factor, groups: Sequence[Group]) -> list[tuple[list[int], Factor]]:
+    """Write a likelihood as a product of parts over groups, slice by slice of its context.
+
+    A slice ``f(A, B)`` is a product iff ``f · total = (row sum) ⊗ (column sum)``. The finest partition is the common
+    refinement of the two-way splits, which are all tried for up to six groups.
+
+    Returns
+    -------
+    as `additive_parts`; each part is correct up to a constant for each assignment of the context.
+    """
+    whole = [(list(range(len(groups))), factor)]
+    if not 2 <= len(groups) <= _MOST_GROUPS or factor.size > _MOST_ENTRIES:
+        return whole
+    context = tuple(variable for variable in factor.scope if not any(variable in group for group in groups))
+    shape = (count(context), *(count(group) for group in groups))
+    array = factor.array_over([*context, *itertools.chain(*groups)]).reshape(shape)
+    labels = [0] * len(groups)
+    for mask in range(1, 2 ** (len(groups) - 1)):
+        side = [number for number in range(len(groups)) if mask >> number & 1]
+        if _splits(array, side):
+            labels = [2 * label + (number in side) for number, label in enumerate(labels)]
+    if len(set(labels)) == 1:
+        return whole
+    parts = []
+    for label in sorted(set(labels)):
+        component = [number for number, other in enumerate(labels) if other == label]
+        gone = tuple(number + 1 for number in range(len(groups)) if number not in component)
+        scope = [*context, *itertools.chain(*(groups[number] for number in component))]
+        sums = array.sum(axis=gone).reshape([variable.size for variable in scope])
+        parts.append((component, DenseFactor(scope, sums)))
+    return parts
+
+
+def _difference(array: np.ndarray[Any, Any], axis: int) -> np.ndarray[Any, Any]:
+    return array - np.take(array, [0], axis=axis)
+
+
+def _splits(array: np.ndarray[Any, Any], side: list[int]) -> bool:
+    inside = tuple(number + 1 for number in side)
+    outside = tuple(number for number in range(1, array.ndim) if number not in inside)
+    total = array.sum(axis=(*inside, *outside), keepdims=True)
+    product = array.sum(axis=inside, keepdims=True) * array.sum(axis=outside, keepdims=True)
+    return bool(np.abs(array * total - product).max() <= _SAME * max(1.0, float(total.max())) ** 2)

@@ -1,0 +1,337 @@
+"""The parts that a model falls into: known variables, and blocks of hidden variables with the factors that touch them.
+
+A state variable is *known* if the agent can tell its value after every step: its start is certain, and it is declared as
+read back, or is a function of known variables and actions, or is shown without doubt by an observation (in these two
+cases no transition may read its next value, or it counts as hidden). Given the known variables, the hidden ones are joined by every factor whose numbers depend on several of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from factored_pomdp.contraction import contract
+from factored_pomdp.factors import DeterministicFactor, Factor, NoisyOr, SparseFactor
+from factored_pomdp.influence import Influences
+from factored_pomdp.model import FactoredPOMDP
+from factored_pomdp.separation import additive_parts, multiplicative_parts
+from factored_pomdp.variables import Variable
+
+__all__ = ["Block", "Join", "Structure", "structure_of"]
+
+
+@dataclass(frozen=True)
+class Join:
+    """A factor that ties several hidden things together.
+
+    Attributes
+    ----------
+    factor : str
+        Such as ``transition of b.next`` or ``reward both``.
+    kind : str
+        ``initial``, ``transition``, ``observation`` or ``reward``.
+    table : Factor
+        Without the variables that make no numeric difference.
+    things : tuple of int
+        Numbers of the things (groups, or single variables) that it joins.
+    """
+
+    factor: str
+    kind: str
+    table: Factor
+    things: tuple[int, ...]
+
+
+@dataclass(eq=False)
+class Block:
+    """Hidden variables that belong together, and every factor about them (numerically idle parents left out).
+
+    Attributes
+    ----------
+    variables : tuple of Variable
+        Current-slice state variables.
+    transition : dict
+        By name of the state variable.
+    likelihood : dict
+        By name of what is seen: an observation variable, or a known variable that hidden ones influence.
+    rewards : list of (name, Factor)
+    """
+
+    variables: tuple[Variable, ...]
+    transition: dict[str, Factor] = field(default_factory=dict)
+    likelihood: dict[str, Factor] = field(default_factory=dict)
+    rewards: list[tuple[str, Factor]] = field(default_factory=list)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(variable.name for variable in self.variables)
+
+
+@dataclass(eq=False)
+class Structure:
+    """Everything that `decompose`, beliefs and solvers need to know of a model's shape.
+
+    Attributes
+    ----------
+    known : tuple of str
+    functions : dict
+        Known variables that are functions of known variables and actions, with that function.
+    shown_by : dict
+        Known variables that an observation shows, and that observation's name.
+    blocks : tuple of Block
+    things : tuple of tuples of str
+        Hidden variables in the smallest units that could have stayed apart.
+    joins : tuple of Join
+        What joined things into blocks.
+    free_rewards : list of (name, Factor)
+        Reward terms over known variables and actions alone.
+    """
+
+    model: FactoredPOMDP
+    known: tuple[str, ...]
+    functions: dict[str, Factor]
+    shown_by: dict[str, str]
+    blocks: tuple[Block, ...]
+    things: tuple[tuple[str, ...], ...]
+    joins: tuple[Join, ...]
+    free_rewards: list[tuple[str, Factor]]
+
+
+def structure_of(model: FactoredPOMDP) -> Structure:
+    """Find known variables, blocks and what joins them. Cost: one pass over every distinct table."""
+    return _Finder(model).structure()
+
+
+class _Finder:
+    def __init__(self, model: FactoredPOMDP) -> None:
+        self.model = model
+        influences = Influences()
+        reduced = _Reducer(influences).reduced
+        self.initial = {x: reduced(f, x) for x, f in model.initial.items()}
+        self.transition = {x: reduced(f, f"{x}.next") for x, f in model.transition.items()}
+        self.observation = {o: reduced(f, o) for o, f in model.observation.items()}
+        self.rewards = {r: reduced(f, None) for r, f in model.reward.items()}
+        self.known, self.shown_by = self._known()
+        self.things = self._things()
+        self.thing_of = {name: number for number, names in enumerate(self.things) for name in names}
+
+    def structure(self) -> Structure:
+        joins: list[Join] = []
+        likelihoods: list[tuple[str, Factor, set[int]]] = []
+        self._join_initially(joins)
+        for name, table in self.transition.items():
+            if name in self.known:
+                likelihoods += self._seen("transition", f"transition of {name}.next", name, table, joins)
+            else:
+                self._join("transition", f"transition of {name}.next", table, joins)
+        for name, table in self.observation.items():
+            likelihoods += self._seen("observation", f"observation of {name}", name, table, joins)
+        roots = _components(len(self.things), [join.things for join in joins])
+        terms, free = self._reward_terms(roots, joins)
+        roots = _components(len(self.things), [join.things for join in joins])
+        blocks = self._blocks(roots, likelihoods, terms)
+        functions = {n: t for n, t in self.transition.items() if n in self.known and self._is_function(n, self.known)}
+        order = tuple(variable.name for variable in self.model.states if variable.name in self.known)
+        return Structure(self.model, order, functions, self.shown_by, blocks, self.things, tuple(joins), free)
+
+    def _known(self) -> tuple[set[str], dict[str, str]]:
+        declared = self.model.declared_known
+        read_ahead = {v.name for name, f in self.transition.items() for v in f.scope if v.name != f"{name}.next"}
+        known = {name for name, factor in self.initial.items() if _is_certain(factor, name)}
+        group_of = {name: set(group) for group in self.model.groups for name in group}
+        while True:
+            shown = {name: o for name in known if (o := self._shown_by(name, known)) is not None}
+            seen = {n for n in known if (n in declared or n in shown) and f"{n}.next" not in read_ahead}
+            left = seen | {n for n in known if self._is_function(n, known)}
+            left = {n for n in left if group_of.get(n, {n}) <= left}
+            left = {n for n in left if {v.name for v in self.initial[n].scope} <= left | {n}}
+            if left == known:
+                return known, {n: o for n, o in shown.items() if not self._is_function(n, known)}
+            known = left
+
+    def _is_function(self, name: str, known: set[str]) -> bool:
+        factor = self.transition[name]
+        parents = {variable.name.removesuffix(".next") for variable in factor.scope} - {name}
+        states = {variable.name for variable in self.model.states}
+        return _is_certain(factor, f"{name}.next") and (parents & states) <= known
+
+    def _shown_by(self, name: str, known: set[str]) -> str | None:
+        for seen, factor in self.observation.items():
+            hidden = {v.name for v in factor.scope if v.is_next and v.name.removesuffix(".next") not in known}
+            if isinstance(factor, NoisyOr) or not any(v.name == f"{name}.next" for v in factor.scope) or hidden:
+                continue
+            variable = factor.variable(f"{name}.next")
+            table = factor.array_over([variable, *(v for v in factor.scope if v != variable)])
+            if ((table > 0).sum(axis=0) <= 1).all():
+                return seen
+        return None
+
+    def _things(self) -> tuple[tuple[str, ...], ...]:
+        hidden = [variable.name for variable in self.model.states if variable.name not in self.known]
+        number = {name: position for position, name in enumerate(hidden)}
+        links = [tuple(number[name] for name in group if name in number) for group in self.model.groups]
+        things: dict[int, list[str]] = {}
+        for name, root in zip(hidden, _components(len(hidden), links), strict=True):
+            things.setdefault(root, []).append(name)
+        return tuple(tuple(thing) for thing in things.values())
+
+    def _hidden(self, table: Factor) -> dict[int, list[Variable]]:
+        """Hidden variables of a scope (either slice) by the thing that they belong to."""
+        found: dict[int, list[Variable]] = {}
+        for variable in table.scope:
+            name = variable.name.removesuffix(".next")
+            if name in self.thing_of:
+                found.setdefault(self.thing_of[name], []).append(variable)
+        return found
+
+    def _join_initially(self, joins: list[Join]) -> None:
+        """Initial factors join only what is dependent once they are multiplied out."""
+        links = {name: tuple(self._hidden(table)) for name, table in self.initial.items()}
+        roots = _components(len(self.things), links.values())
+        for root in dict.fromkeys(roots[things[0]] for things in links.values() if len(things) > 1):
+            members = [number for number, other in enumerate(roots) if other == root]
+            groups = [tuple(self.model.variable(name) for name in self.things[number]) for number in members]
+            joint = contract(self.initial.values(), [variable for group in groups for variable in group])
+            groups = [tuple(variable for variable in group if variable in joint.scope) for group in groups]
+            for component, part in multiplicative_parts(joint, groups):
+                things = tuple(members[number] for number in component)
+                if len(things) > 1:
+                    factors = [name for name, linked in links.items() if len(linked) > 1 and set(linked) & set(things)]
+                    joins.append(Join(f"initial of {', '.join(factors)}", "initial", part, things))
+
+    def _join(self, kind: str, label: str, table: Factor, joins: list[Join]) -> None:
+        things = tuple(self._hidden(table))
+        if len(things) > 1:
+            joins.append(Join(label, kind, table, things))
+
+    def _seen(
+        self, kind: str, label: str, name: str, table: Factor, joins: list[Join]
+    ) -> list[tuple[str, Factor, set[int]]]:
+        hidden = self._hidden(table)
+        if not hidden:
+            return []
+        groups = [tuple(variables) for variables in hidden.values()]
+        numbers = list(hidden)
+        parts = []
+        for component, part in [([0], table)] if len(groups) == 1 else multiplicative_parts(table, groups):
+            things = tuple(numbers[number] for number in component)
+            parts.append((name, part, set(things)))
+            if len(things) > 1:
+                joins.append(Join(label, kind, part, things))
+        return parts
+
+    def _reward_terms(
+        self, roots: list[int], joins: list[Join]
+    ) -> tuple[list[tuple[str, Factor, int]], list[tuple[str, Factor]]]:
+        terms, free = [], []
+        for name, table in self.rewards.items():
+            by_block: dict[int, list[Variable]] = {}
+            shared: list[tuple[Variable, set[int]]] = []
+            for variable in table.scope:
+                owners = {roots[thing] for thing in self._owners(variable, set())}
+                if len(owners) == 1:
+                    by_block.setdefault(owners.pop(), []).append(variable)
+                elif owners:
+                    shared.append((variable, owners))
+            if shared:
+                touched = set(by_block).union(*(owners for _, owners in shared))
+                joins.append(Join(f"reward {name}", "reward", table, tuple(sorted(touched))))
+                terms.append((name, table, min(touched)))
+                continue
+            if not by_block:
+                free.append((name, table))
+                continue
+            numbers = list(by_block)
+            groups = [tuple(variables) for variables in by_block.values()]
+            for component, part in additive_parts(table, groups):
+                things = tuple(numbers[number] for number in component)
+                if len(things) > 1:
+                    joins.append(Join(f"reward {name}", "reward", part, things))
+                terms.append((name, part, things[0]))
+        return terms, free
+
+    def _owners(self, variable: Variable, walked: set[str]) -> set[int]:
+        """Things whose current belief the distribution of a variable depends on."""
+        name = variable.name.removesuffix(".next")
+        if name in self.thing_of:
+            owners = {self.thing_of[name]}
+        else:
+            owners = set()
+        if variable.name in walked:
+            return owners
+        walked.add(variable.name)
+        if variable.name in self.observation:
+            parents = self.observation[variable.name].scope
+        elif variable.is_next:
+            parents = self.transition[name].scope
+        else:
+            parents = ()
+        for parent in parents:
+            if parent != variable:
+                owners |= self._owners(parent, walked)
+        return owners
+
+    def _blocks(
+        self, roots: list[int], likelihoods: list[tuple[str, Factor, set[int]]], terms: list[tuple[str, Factor, int]]
+    ) -> tuple[Block, ...]:
+        members: dict[int, list[Variable]] = {}
+        for variable in self.model.states:
+            if variable.name in self.thing_of:
+                members.setdefault(roots[self.thing_of[variable.name]], []).append(variable)
+        blocks = {
+            root: Block(tuple(variables), {v.name: self.transition[v.name] for v in variables})
+            for root, variables in members.items()
+        }
+        for name, table, things in likelihoods:
+            block = blocks[roots[min(things)]]
+            held = block.likelihood.get(name)
+            block.likelihood[name] = table if held is None else held.product(table)
+        for name, table, thing in terms:
+            blocks[roots[thing]].rewards.append((name, table))
+        return tuple(blocks.values())
+
+
+class _Reducer:
+    """Leaves out the variables that make no difference, once for factors that share their tables."""
+
+    def __init__(self, influences: Influences) -> None:
+        self._influences = influences
+        self._done: dict[tuple[object, ...], tuple[Factor, Factor]] = {}
+
+    def reduced(self, factor: Factor, child: str | None) -> Factor:
+        position = factor.names.index(child) if child is not None else None
+        key = (*factor.storage, position, *(variable.size for variable in factor.scope))
+        if key not in self._done:
+            kept = {variable.name for variable in self._influences.scope(factor)} | {child}
+            idle = {variable.name: variable.values[0] for variable in factor.scope if variable.name not in kept}
+            self._done[key] = factor, factor.condition(idle) if idle else factor
+        first, short = self._done[key]
+        return short if first.names == factor.names else short.renamed(dict(zip(first.names, factor.names, strict=True)))
+
+
+def _is_certain(factor: Factor, child: str) -> bool:
+    if isinstance(factor, DeterministicFactor):
+        return factor.child.name == child
+    if isinstance(factor, NoisyOr):
+        return False
+    numbers = factor.numbers if isinstance(factor, SparseFactor) else factor.dense().array
+    return bool(np.isin(numbers, (0.0, 1.0)).all())
+
+
+def _components(size: int, links: Iterable[tuple[int, ...]]) -> list[int]:
+    """For each of ``size`` nodes the smallest node of its component (union-find)."""
+    parent = list(range(size))
+
+    def root(node: int) -> int:
+        while parent[node] != node:
+            parent[node] = parent[parent[node]]
+            node = parent[node]
+        return node
+
+    for link in links:
+        roots = {root(node) for node in link}
+        for other in roots:
+            parent[other] = min(roots)
+    return [root(node) for node in range(size)]

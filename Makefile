@@ -2,7 +2,7 @@
 PYTHON ?= python3
 WORKERS ?= 2
 BIN := .venv/bin
-PYTEST := $(BIN)/pytest -n $(WORKERS) -p nbmake --nbmake tests notebooks
+PYTEST := $(BIN)/pytest -n $(WORKERS) -p nbmake --nbmake tests $(wildcard notebooks)
 EXTRAS := dev,notebooks,vision,page,cluster
 
 .DEFAULT_GOAL := help

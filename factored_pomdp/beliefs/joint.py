@@ -1,0 +1,110 @@
+"""A belief over joint states: exact for every model, exponential in the number of variables (eq:belup, literally).
+
+The table is dense, or sparse where few joint states have mass; both forms do the same products and sums.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from factored_pomdp.errors import ImpossibleObservation
+from factored_pomdp.factors import DenseFactor, Factor
+from factored_pomdp.factors.dense import constant
+from factored_pomdp.model import FactoredPOMDP
+from factored_pomdp.variables import Value
+
+__all__ = ["JointBelief"]
+
+_EXACT: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class JointBelief:
+    """Probabilities of joint states.
+
+    Attributes
+    ----------
+    table : Factor
+        Over all state variables; sums to one.
+    """
+
+    model: FactoredPOMDP
+    table: Factor
+    sparse: bool = False
+    action: Mapping[str, Value] | None = None
+
+    exact = True
+
+    @classmethod
+    def initial(cls, model: FactoredPOMDP, sparse: bool = False) -> JointBelief:
+        """The model's initial belief, multiplied out."""
+        table = _multiplied(constant(1.0), model.initial.values(), sparse)
+        return cls(model, table, sparse)
+
+    def predict(self, action: Any) -> JointBelief:
+        """``Σ_S P(S' | S, A) B(S)`` over all joint states."""
+        chosen = self.model.action(action)
+        table = self.table
+        left = {name: factor.condition(chosen) for name, factor in self.model.transition.items()}
+        while left:
+            name = next(n for n, f in left.items() if not any(v.is_next and v.name[:-5] in left for v in f.scope if v.name != f"{n}.next"))
+            table = table.product(_laid_out(left.pop(name), self.sparse))
+            needed = {variable.name for factor in left.values() for variable in factor.scope}
+            done = [v for v in table.scope if not v.is_next and v.name not in needed]
+            if done:
+                table = table.marginalise(*done)
+        named = table.renamed({variable.next.name: variable.name for variable in self.model.states})
+        return replace(self, table=named, action=chosen)
+
+    def likelihood(self, observation: Mapping[str, Value], known: Mapping[str, Value] | None = None) -> Factor:
+        """``P(Z | S')`` as a table over next states (named as current ones), the unread ``known`` saying nothing."""
+        unread = {f"{name}.next": None for name, value in (known or {}).items() if value is None}
+        factors = []
+        for name, value in observation.items():
+            given = {**(self.action or {}), **unread, name: value}
+            factors.append(self.model.observation[name].condition(given))
+        names = {variable.next.name: variable.name for variable in self.model.states}
+        return _multiplied(constant(1.0), (factor.renamed(names) for factor in factors), self.sparse)
+
+    def condition(self, observation: Any = None, known: Mapping[str, Value] | None = None) -> JointBelief:
+        """The posterior; as `ProductBelief.condition`."""
+        observed = self.model.observed(observation) if observation is not None else {}
+        table = self.table
+        for name, value in (known or {}).items():
+            if value is not None:
+                variable = self.model.variable(name)
+                certain = DenseFactor([variable], [float(v == value) for v in variable.values])
+                table = table.marginalise(variable).product(certain)
+        table = table.product(self.likelihood(observed, known))
+        total = _total(table)
+        if not total > 0:
+            raise ImpossibleObservation([v.name for v in self.model.states], dict(self.action or {}), observed)
+        return replace(self, table=table.product(constant(1 / total)))
+
+    def probability(self, observation: Any) -> float:
+        """``P(Z | B, A)`` of a predicted belief."""
+        return _total(self.table.product(self.likelihood(self.model.observed(observation))))
+
+    def marginal(self, *names: str) -> DenseFactor:
+        """Joint probabilities of some state variables."""
+        kept = [self.model.variable(name) for name in names]
+        rest = [variable for variable in self.table.scope if variable not in kept]
+        table = self.table.marginalise(*rest) if rest else self.table
+        return DenseFactor(kept, table.array_over(kept))
+
+
+def _laid_out(factor: Factor, sparse: bool) -> Factor:
+    return factor.sparse() if sparse else factor.dense()
+
+
+def _multiplied(start: Factor, factors: Iterable[Factor], sparse: bool) -> Factor:
+    product = _laid_out(start, sparse)
+    for factor in factors:
+        product = product.product(_laid_out(factor, sparse))
+    return product
+
+
+def _total(table: Factor) -> float:
+    return float(table.marginalise(*table.scope).dense().array)

@@ -1,0 +1,91 @@
+"""What a product belief needs of a model, compiled once a model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from jaxtyping import Int
+
+from factored_pomdp.beliefs.likelihood import Likelihood, likelihood_of
+from factored_pomdp.beliefs.prediction import Prediction
+from factored_pomdp.beliefs.stacks import Stack, stacks_of
+from factored_pomdp.factors.sparse import unflatten
+from factored_pomdp.model import FactoredPOMDP
+from factored_pomdp.structure import Structure, structure_of
+from factored_pomdp.variables import Variable, count
+
+__all__ = ["Plan", "Seen", "StackPlan", "plan_of"]
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """One thing that is seen of a stack's blocks.
+
+    Attributes
+    ----------
+    child : Variable
+        An observation variable of the pattern, or the next value of a known variable.
+    name : str
+        The observation's or the known variable's name in the pattern.
+    likelihood : Likelihood
+    context : (states,) int
+        Row of the likelihood's columns for every joint value of the pattern's variables.
+    """
+
+    child: Variable
+    name: str
+    likelihood: Likelihood
+    context: Int[np.ndarray, " states"]
+
+
+@dataclass(frozen=True, eq=False)
+class StackPlan:
+    """A stack with its compiled prediction and likelihoods."""
+
+    stack: Stack
+    prediction: Prediction
+    seen: tuple[Seen, ...]
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        return self.stack.pattern.variables
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return tuple(variable.size for variable in self.variables)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Structure and stacks of a model."""
+
+    structure: Structure
+    stacks: tuple[StackPlan, ...]
+
+
+_PLANS: WeakKeyDictionary[FactoredPOMDP, Plan] = WeakKeyDictionary()
+
+
+def plan_of(model: FactoredPOMDP) -> Plan:
+    """The model's plan, made on first use."""
+    if model not in _PLANS:
+        structure = structure_of(model)
+        observations = {variable.name for variable in model.observations}
+        _PLANS[model] = Plan(structure, tuple(_stack_plan(s, observations) for s in stacks_of(structure.blocks)))
+    return _PLANS[model]
+
+
+def _stack_plan(stack: Stack, observations: set[str]) -> StackPlan:
+    after = tuple(variable.next for variable in stack.pattern.variables)
+    coordinates = unflatten(np.arange(count(after)), after)
+    seen = []
+    for name, factor in stack.pattern.likelihood.items():
+        child = factor.variable(name if name in observations else f"{name}.next")
+        likelihood = likelihood_of(factor, child, after)
+        rows = np.zeros(len(coordinates), dtype=np.int64)
+        for variable in likelihood.hidden:
+            rows = rows * variable.size + coordinates[:, after.index(variable)]
+        seen.append(Seen(child, name, likelihood, rows))
+    return StackPlan(stack, Prediction(stack.pattern), tuple(seen))

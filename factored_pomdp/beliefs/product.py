@@ -1,0 +1,307 @@
+"""A belief that is a product over blocks (eq:bel), kept stack by stack.
+
+``predict`` and ``condition`` are pure: they return a new belief. Cost of a step: the stored entries of the operators,
+once a stack, times its members; memory: one number for each state and member.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from factored_pomdp.beliefs.plan import Plan, StackPlan
+from factored_pomdp.errors import ImpossibleObservation, did_you_mean
+from factored_pomdp.factors import DenseFactor, DeterministicFactor
+from factored_pomdp.variables import Value
+
+__all__ = ["ProductBelief", "Restart"]
+
+Restart = Callable[[tuple[str, ...], "Float[np.ndarray, '...']", Mapping[str, Value], Mapping[str, Value]], Any]
+"""``restart(block, predicted, observation, known)`` gives the new belief (the block's shape) of a contradicted block."""
+
+Names = dict[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class ProductBelief:
+    """``b(hidden) = ∏ b_k(block k)`` beside known values.
+
+    Attributes
+    ----------
+    known : dict
+        Values of the known variables; ``None`` where one could not be read.
+    arrays : tuple of (states, members) float
+        One for each stack; columns sum to one.
+    members : tuple of tuples of dict
+        For each stack and member, the pattern's names to the member's own.
+    approximations : tuple of str
+        Why this is not the exact posterior; empty while it is.
+    """
+
+    plan: Plan
+    known: Mapping[str, Value]
+    arrays: tuple[Float[np.ndarray, "states members"], ...]
+    members: tuple[tuple[Names, ...], ...]
+    approximations: tuple[str, ...] = ()
+    project: bool = False
+    action: Mapping[str, Value] | None = None
+    before: Mapping[str, Value] | None = None
+    _predictions: dict[Any, Any] = field(default_factory=dict, repr=False)
+
+    @property
+    def exact(self) -> bool:
+        """Whether this is the exact Bayesian posterior of the model."""
+        return not self.approximations
+
+    @property
+    def blocks(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the hidden variables, block by block."""
+        return tuple(
+            tuple(names[variable.name] for variable in plan.variables)
+            for plan, members in zip(self.plan.stacks, self.members, strict=True)
+            for names in members
+        )
+
+    def predict(self, action: Any) -> ProductBelief:
+        """The belief after an action and before its observation (the sum in eq:belup2)."""
+        chosen = self.plan.structure.model.action(action)
+        after = self.next_known(chosen)
+        arrays = tuple(self.predicted(number, chosen, after) for number in range(len(self.arrays)))
+        return replace(self, known=after, arrays=arrays, action=chosen, before=self.known, _predictions={})
+
+    def next_known(self, action: Mapping[str, Value]) -> dict[str, Value]:
+        """Values of the known variables after an action, as planned; ``None`` where a parent is not known."""
+        values: dict[str, Value] = {}
+        given: dict[str, Value] = {**self.known, **action}
+        functions = self.plan.structure.functions
+        waiting = [name for name in self.plan.structure.known if name in functions]
+        while waiting:
+            for name in list(waiting):
+                parents = [v.name for v in functions[name].scope if v.name != f"{name}.next"]
+                if any(parent.removesuffix(".next") in waiting for parent in parents if parent.endswith(".next")):
+                    continue
+                at = {parent: given.get(parent) for parent in parents}
+                values[name] = None if None in at.values() else _result(functions[name], f"{name}.next", at)
+                given[f"{name}.next"] = values[name]
+                waiting.remove(name)
+        return {name: values.get(name) for name in self.plan.structure.known}
+
+    def predicted(
+        self, stack: int, action: Mapping[str, Value], after: Mapping[str, Value]
+    ) -> Float[np.ndarray, "states members"]:
+        """Predicted array of one stack; kept, so that choosing and then predicting cost one prediction."""
+        plan, array, members = self.plan.stacks[stack], self.arrays[stack], self.members[stack]
+        context = plan.prediction.context
+        given = {**self.known, **action, **{f"{name}.next": value for name, value in after.items()}}
+        if not any(variable.name in plan.stack.own for variable in context):
+            key = (stack, tuple(given[variable.name] for variable in context))
+            if key not in self._predictions:
+                self._predictions[key] = plan.prediction.apply(array, {v.name: given[v.name] for v in context})
+            return self._predictions[key]
+        groups: dict[tuple[Value, ...], list[int]] = {}
+        for column, names in enumerate(members):
+            groups.setdefault(tuple(given[names.get(v.name, v.name)] for v in context), []).append(column)
+        result = np.empty_like(array)
+        for values, columns in groups.items():
+            at = dict(zip((variable.name for variable in context), values, strict=True))
+            result[:, columns] = plan.prediction.apply(np.ascontiguousarray(array[:, columns]), at)
+        return result
+
+    def condition(
+        self, observation: Any = None, known: Mapping[str, Value] | None = None, restart: Restart | None = None
+    ) -> ProductBelief:
+        """The posterior (eq:belup2) given what was observed, and given the known values that were read back.
+
+        Parameters
+        ----------
+        observation : mapping or value
+            Observation variables that are left out were not looked at.
+        known : mapping, optional
+            Read-back values; they replace the planned ones. ``None`` for one that could not be read: it then says
+            nothing (possible where it is a cause of a noisy-or).
+        restart : callable, optional
+            Gives a new belief to a block for which the observation is impossible.
+
+        Raises
+        ------
+        ImpossibleObservation
+            Where a block calls the observation impossible and there is no ``restart``.
+        """
+        model = self.plan.structure.model
+        if observation is None:
+            observation = {}
+        elif not isinstance(observation, Mapping):
+            observation = model.observed(observation)
+        actual = self._actual(known or {}, observation)
+        reasons = list(self.approximations)
+        arrays = []
+        looked_at: set[str] = set()
+        for plan, array, members in zip(self.plan.stacks, self.arrays, self.members, strict=True):
+            arrays.append(self._conditioned(plan, array, members, observation, actual, restart, reasons, looked_at))
+        self._refuse_unknown(observation, looked_at)
+        after = replace(
+            self, known=actual, arrays=tuple(arrays), approximations=tuple(dict.fromkeys(reasons)), _predictions={}
+        )
+        return after._projected() if self.project else after
+
+    def _conditioned(
+        self,
+        plan: StackPlan,
+        array: np.ndarray[Any, Any],
+        members: tuple[Names, ...],
+        observation: Mapping[str, Value],
+        actual: Mapping[str, Value],
+        restart: Restart | None,
+        reasons: list[str],
+        looked_at: set[str],
+    ) -> np.ndarray[Any, Any]:
+        from factored_pomdp.beliefs.kernels import reweigh
+
+        action = self.action or {}
+        before = self.before if self.before is not None else self.known
+        given = {**before, **action, **{f"{name}.next": value for name, value in actual.items()}}
+        predicted = array
+        for seen in plan.seen:
+            own = [names.get(seen.name, seen.name) for names in members]
+            shown = actual if seen.child.is_next else observation
+            looked_at.update(own)
+            index = seen.child.index
+            values = np.array([index(shown[n]) if shown.get(n) is not None else -1 for n in own], dtype=np.int64)
+            if (values < 0).all():
+                continue
+            likelihood = self._columns(plan, seen, values, given, members)
+            result, sums = np.empty_like(array), np.empty(len(members))
+            reweigh(array, seen.context, likelihood, result, sums)
+            for column in np.flatnonzero(~(sums > 0)):
+                block = tuple(members[column][variable.name] for variable in plan.variables)
+                if restart is None:
+                    raise ImpossibleObservation(block, dict(action), {own[column]: shown[own[column]]})
+                fresh = np.asarray(restart(block, predicted[:, column].reshape(plan.shape), observation, actual), float)
+                result[:, column] = fresh.ravel() / fresh.sum()
+                reasons.append(f"restarted: {', '.join(block)}")
+            array = result
+        return array
+
+    def _columns(
+        self,
+        plan: StackPlan,
+        seen: Any,
+        values: np.ndarray[Any, Any],
+        given: Mapping[str, Value],
+        members: tuple[Names, ...],
+    ) -> np.ndarray[Any, Any]:
+        rest = [variable.name for variable in seen.likelihood.rest]
+        if not any(name in plan.stack.own for name in rest):
+            return np.asarray(seen.likelihood.columns(values, given))
+        columns = np.empty((int(seen.context.max()) + 1, len(members)))
+        for column, names in enumerate(members):
+            at = {name: given[names.get(name, name)] for name in rest}
+            columns[:, [column]] = seen.likelihood.columns(values[[column]], at)
+        return columns
+
+    def _actual(self, known: Mapping[str, Value], observation: Mapping[str, Value]) -> dict[str, Value]:
+        structure = self.plan.structure
+        actual = dict(self.known)
+        for name, value in known.items():
+            if name not in actual:
+                raise ValueError(f"no known variable {name!r}{did_you_mean(name, actual)}")
+            if value is not None:
+                structure.model.variable(name).index(value)
+            actual[name] = value
+        for name, seen in structure.shown_by.items():
+            if name not in known and observation.get(seen) is not None:
+                factor = structure.model.observation[seen]
+                at = {**(self.action or {}), **{f"{n}.next": v for n, v in actual.items() if n != name}}
+                at = {k: v for k, v in at.items() if v is not None} | {seen: observation[seen]}
+                line = factor.condition(at).array_over([structure.model.variable(f"{name}.next")]).ravel()
+                actual[name] = structure.model.variable(name).values[int(line.argmax())]
+        return actual
+
+    def _refuse_unknown(self, observation: Mapping[str, Value], looked_at: set[str]) -> None:
+        names = {variable.name for variable in self.plan.structure.model.observations} | looked_at
+        for name in observation:
+            if name not in names:
+                raise ValueError(f"no observation variable {name!r}{did_you_mean(name, names)}")
+
+    def _projected(self) -> ProductBelief:
+        """Replace every block by the product of its things' marginals (Boyen and Koller, UAI 1998)."""
+        thing_of = {name: number for number, thing in enumerate(self.plan.structure.things) for name in thing}
+        arrays, reasons = [], list(self.approximations)
+        for plan, array in zip(self.plan.stacks, self.arrays, strict=True):
+            things = [thing_of[variable.name] for variable in plan.variables]
+            product = np.ones((*plan.shape, array.shape[1]))
+            for thing in set(things):
+                gone = tuple(axis for axis, other in enumerate(things) if other != thing)
+                product = product * array.reshape(*plan.shape, -1).sum(axis=gone, keepdims=True)
+            arrays.append(product.reshape(array.shape))
+            if len(set(things)) > 1:
+                reasons.append("tied things kept apart (Boyen–Koller projection)")
+        return replace(self, arrays=tuple(arrays), approximations=tuple(dict.fromkeys(reasons)), _predictions={})
+
+    def marginal(self, name: str) -> Float[np.ndarray, " values"]:
+        """Probabilities of one hidden variable's values."""
+        plan, array, column, names = self._find(name)
+        shape = plan.shape
+        axis = next(a for a, variable in enumerate(plan.variables) if names[variable.name] == name)
+        return np.asarray(array[:, column].reshape(shape).sum(axis=tuple(a for a in range(len(shape)) if a != axis)))
+
+    def block(self, name: str) -> DenseFactor:
+        """Joint probabilities of the block that holds a hidden variable."""
+        plan, array, column, names = self._find(name)
+        scope = [variable.renamed(names[variable.name]) for variable in plan.variables]
+        return DenseFactor(scope, array[:, column].reshape(plan.shape))
+
+    def with_block(self, names: Mapping[str, str], distribution: Any) -> ProductBelief:
+        """One more block, shaped like one that is there.
+
+        Parameters
+        ----------
+        names : mapping
+            Names of an existing block's variables (states, and observations and actions of its own) to new names.
+        distribution : array_like
+            Shape: the block's variables' sizes; normalised here.
+        """
+        plan, array, _, existing = self._find(next(name for name in names if any(name in b for b in self.blocks)))
+        stack = self.plan.stacks.index(plan)
+        fresh = {pattern: names.get(own, own) for pattern, own in existing.items()}
+        twins = {fresh[v.name] for v in plan.variables} & {n for block in self.blocks for n in block}
+        if twins:
+            raise ValueError(f"{', '.join(sorted(twins))} is in the belief already")
+        fresh |= {variable.next.name: f"{fresh[variable.name]}.next" for variable in plan.variables}
+        column = np.asarray(distribution, dtype=float).reshape(-1, 1)
+        arrays, members = list(self.arrays), list(self.members)
+        arrays[stack] = np.ascontiguousarray(np.concatenate([array, column / column.sum()], axis=1))
+        members[stack] = (*members[stack], fresh)
+        return replace(self, arrays=tuple(arrays), members=tuple(members), _predictions={})
+
+    def without_block(self, name: str) -> ProductBelief:
+        """The belief without the block that holds a hidden variable."""
+        plan, array, column, _ = self._find(name)
+        stack = self.plan.stacks.index(plan)
+        arrays, members = list(self.arrays), list(self.members)
+        arrays[stack] = np.ascontiguousarray(np.delete(array, column, axis=1))
+        members[stack] = members[stack][:column] + members[stack][column + 1 :]
+        return replace(self, arrays=tuple(arrays), members=tuple(members), _predictions={})
+
+    def with_arrays(self, arrays: Iterable[np.ndarray[Any, Any]], known: Mapping[str, Value] | None = None) -> ProductBelief:
+        """The same blocks with other probabilities, (states, members) for each stack, and perhaps other known values."""
+        fresh = tuple(np.ascontiguousarray(array, dtype=float) for array in arrays)
+        return replace(self, arrays=fresh, known=dict(known if known is not None else self.known), _predictions={})
+
+    def _find(self, name: str) -> tuple[StackPlan, np.ndarray[Any, Any], int, Names]:
+        for plan, array, members in zip(self.plan.stacks, self.arrays, self.members, strict=True):
+            for column, names in enumerate(members):
+                if any(names[variable.name] == name for variable in plan.variables):
+                    return plan, array, column, names
+        raise ValueError(f"no hidden variable {name!r}{did_you_mean(name, (n for b in self.blocks for n in b))}")
+
+
+def _result(function: Any, child: str, at: Mapping[str, Value]) -> Value:
+    if isinstance(function, DeterministicFactor) and function.child.name == child:
+        return function.result(at)
+    line = function.condition(at).dense()
+    return line.scope[0].values[int(line.array.argmax())]

@@ -13,11 +13,11 @@ _ROUNDING_S = 1e-9
 
 
 def reachable(camera: Camera, step_s: float) -> Bool[np.ndarray, "presets presets"]:
-    """``reachable[c, a]``: from preset ``c`` the camera has settled in preset ``a`` after one step of ``step_s`` seconds.
+    """``reachable[c, a]``: from preset ``c`` the camera has settled in preset ``a`` after ``step_s`` seconds.
 
-    Pan, tilt and zoom move at once, so the slowest of them plus ``settle_s`` counts. An axis whose speed the site leaves
-    out takes no time; with all three left out, every preset is reachable. Pan does not turn through its end stops, so
-    350 degrees are 350 degrees. Staying is always possible.
+    Pan, tilt and zoom move at once, so the slowest of them plus ``settle_s`` counts. An axis whose speed the site
+    leaves out takes no time; with all three left out, every preset is reachable. Pan does not turn through its end
+    stops, so 350 degrees are 350 degrees. Staying is always possible.
     """
     speeds = (camera.pan_deg_per_s, camera.tilt_deg_per_s, camera.zoom_per_s)
     count = len(camera.presets)

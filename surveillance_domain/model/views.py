@@ -36,7 +36,7 @@ class Views:
     noise_m: tuple[float, ...]
 
     def seen(self, presets: Sequence[int | None]) -> Float[np.ndarray, " cells"]:
-        """``P(seen | l, C) = 1 - prod_i (1 - p_i(l, c_i))`` for one preset of each camera; ``None`` is an empty view."""
+        """``P(seen | l, C) = 1 - prod_i (1 - p_i(l, c_i))``, one preset of each camera; ``None`` is an empty view."""
         missed = np.ones(self.detection[0].shape[1])
         for camera, preset in zip(self.detection, presets, strict=True):
             if preset is not None:

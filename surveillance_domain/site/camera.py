@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from annotated_types import Ge, Gt, Le, Len, Lt
 from pydantic import Field
 
 from surveillance_domain.site.fields import (
@@ -28,8 +27,8 @@ from surveillance_domain.site.fields import (
 
 __all__ = ["Camera", "Image", "Mount", "Preset"]
 
-_Pixels = Annotated[Count, Ge(1), Le(65536)]
-_FieldOfView = Annotated[Number, Gt(0), Lt(180)]
+_Pixels = Annotated[Count, Field(ge=1, le=65536)]
+_FieldOfView = Annotated[Number, Field(gt=0, lt=180)]
 _Row = tuple[Number, Number, Number]
 
 
@@ -73,11 +72,11 @@ class Camera(Section):
 
     name: Name = Field(description="a name of 1 to 64 printable characters")
     mount: Mount = Field(description="a table with position_m = [x, y, height]")
-    presets: Annotated[tuple[Preset, ...], Len(1)] = Field(
+    presets: Annotated[tuple[Preset, ...], Field(min_length=1)] = Field(
         description="at least one [[cameras.presets]] table with name, pan, tilt and zoom"
     )
     home: Name | None = Field(None, description="the name of one of the camera's presets")
-    zoom_hfov: Annotated[tuple[tuple[Positive, _FieldOfView], ...], Len(1)] = Field(
+    zoom_hfov: Annotated[tuple[tuple[Positive, _FieldOfView], ...], Field(min_length=1)] = Field(
         description="pairs [zoom, horizontal field of view in degrees between 0 and 180], "
         "zoom rising, field of view falling"
     )
@@ -91,14 +90,14 @@ class Camera(Section):
     pan_deg_per_s: Positive | None = Field(None, description="degrees per second above 0")
     tilt_deg_per_s: Positive | None = Field(None, description="degrees per second above 0")
     zoom_per_s: Positive | None = Field(None, description="zoom positions per second above 0")
-    settle_s: Annotated[Number, Ge(0), Le(3600)] = Field(0.0, description="seconds, 0 to 3600")
-    tolerance_deg: Annotated[Number, Gt(0), Le(90)] = Field(0.2, description="degrees above 0, at most 90")
+    settle_s: Annotated[Number, Field(ge=0, le=3600)] = Field(0.0, description="seconds, 0 to 3600")
+    tolerance_deg: Annotated[Number, Field(gt=0, le=90)] = Field(0.2, description="degrees above 0, at most 90")
     move_deadline_s: Seconds = Field(8.0, description="seconds above 0")
     connect_timeout_s: Seconds = Field(2.0, description="seconds above 0")
     read_timeout_s: Seconds = Field(5.0, description="seconds above 0")
     driver: Literal["vapix"] = Field("vapix", description='"vapix"')
     url: Url | None = Field(None, description="an address such as http://192.168.0.90")
-    channel: Annotated[Count, Ge(1), Le(1024)] = Field(1, description="a whole number from 1")
+    channel: Annotated[Count, Field(ge=1, le=1024)] = Field(1, description="a whole number from 1")
     auth: Literal["auto", "digest", "basic"] = Field("auto", description='"auto", "digest" or "basic"')
     username: UserName | None = Field(None, description="a user name without colon or space, at most 64 characters")
     password_env: EnvironmentName | None = Field(

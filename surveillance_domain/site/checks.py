@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +38,7 @@ def _field_faults(file: SiteFile, folder: Path) -> Iterator[Fault]:
     for index, camera in enumerate(file.cameras):
         yield from _camera_faults(f"cameras[{index}]", camera, folder)
     speeds = file.targets.speeds_mps
-    if any(later <= earlier for earlier, later in zip(speeds, speeds[1:], strict=False)):
+    if any(later <= earlier for earlier, later in pairwise(speeds)):
         yield Fault("targets.speeds_mps", str(list(speeds)), "speeds in rising order, each once")
     for index, area in enumerate(file.privacy):
         x, y = np.array(area.polygon_m).T

@@ -10,8 +10,7 @@ import re
 from typing import Annotated
 from urllib.parse import urlsplit
 
-from annotated_types import Ge, Gt, Le
-from pydantic import AfterValidator, AllowInfNan, BaseModel, ConfigDict, Strict, StringConstraints
+from pydantic import AfterValidator, AllowInfNan, BaseModel, ConfigDict, Field, Strict, StringConstraints
 
 __all__ = [
     "Count",
@@ -65,15 +64,15 @@ def _url_without_password(text: str) -> str:
 Number = Annotated[float, Strict(), AllowInfNan(False)]
 Flag = Annotated[bool, Strict()]
 Count = Annotated[int, Strict()]
-Metres = Annotated[Number, Ge(-1e6), Le(1e6)]
-Height = Annotated[Number, Ge(0), Le(1e4)]
-Length = Annotated[Number, Gt(0), Le(1e5)]
-Noise = Annotated[Number, Ge(0), Le(1e4)]
-Positive = Annotated[Number, Gt(0), Le(1e6)]
-Seconds = Annotated[Number, Gt(0), Le(1e6)]
-Rate = Annotated[Number, Ge(0), Le(1e3)]
-Degrees = Annotated[Number, Ge(-360), Le(360)]
-Probability = Annotated[Number, Ge(0), Le(1)]
+Metres = Annotated[Number, Field(ge=-1e6, le=1e6)]
+Height = Annotated[Number, Field(ge=0, le=1e4)]
+Length = Annotated[Number, Field(gt=0, le=1e5)]
+Noise = Annotated[Number, Field(ge=0, le=1e4)]
+Positive = Annotated[Number, Field(gt=0, le=1e6)]
+Seconds = Annotated[Number, Field(gt=0, le=1e6)]
+Rate = Annotated[Number, Field(ge=0, le=1e3)]
+Degrees = Annotated[Number, Field(ge=-360, le=360)]
+Probability = Annotated[Number, Field(ge=0, le=1)]
 Point = tuple[Metres, Metres]
 Position = tuple[Metres, Metres, Height]
 Name = Annotated[str, StringConstraints(min_length=1, max_length=64), AfterValidator(_printable)]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from annotated_types import Gt, Le
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from surveillance_domain.site.explain import faults_of
@@ -27,7 +26,7 @@ class RosHeader(BaseModel):
     model_config = ConfigDict(extra="ignore", frozen=True)
 
     image: FileName = Field(description="the path of a PGM, PNG or BMP picture")
-    resolution: Annotated[Number, Gt(0), Le(1000)] = Field(description="metres per pixel above 0")
+    resolution: Annotated[Number, Field(gt=0, le=1000)] = Field(description="metres per pixel above 0")
     origin: tuple[Metres, Metres, Number] = Field(description="[x, y, yaw] in metres and radians")
     negate: Literal[0, 1, False, True] = Field(0, description="0 or 1")
     occupied_thresh: Probability = Field(description="a number from 0 to 1")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from annotated_types import Len
 from pydantic import Field
 
 from surveillance_domain.site.camera import Camera
@@ -19,7 +18,7 @@ class SiteFile(Section):
 
     schema_version: Literal[1] = Field(description="1")
     map: Map = Field(description="a [map] table with cell_m and either rows or ros")
-    cameras: Annotated[tuple[Camera, ...], Len(1)] = Field(
+    cameras: Annotated[tuple[Camera, ...], Field(min_length=1)] = Field(
         description="at least one [[cameras]] table with name, mount, zoom_hfov, image and presets"
     )
     targets: Targets = Field(default_factory=Targets, description="a [targets] table")

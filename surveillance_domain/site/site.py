@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -41,7 +41,7 @@ class Site:
     control: Control
     cameras: tuple[Camera, ...]
     static_cameras: tuple[StaticCamera, ...] = ()
-    operation: Operation = Operation()
+    operation: Operation = field(default_factory=Operation)
     privacy: tuple[PrivateArea, ...] = ()
     markers: Markers | None = None
 

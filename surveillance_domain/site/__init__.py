@@ -1,0 +1,1 @@
+"""What the user describes: site files, maps, built-in sites."""

@@ -1,0 +1,26 @@
+"""Algorithms, one a file. Every solver answers ``can_solve`` and decides with a `Decision`."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from solvers.base import Ability, Decision
+    from solvers.maximise import maximise
+    from solvers.myopic import DecomposedMyopic
+    from solvers.myopic_joint import JointMyopic
+
+_HOME_OF = {
+    "Ability": "base",
+    "Decision": "base",
+    "DecomposedMyopic": "myopic",
+    "JointMyopic": "myopic_joint",
+    "maximise": "maximise",
+}
+
+__all__ = sorted(_HOME_OF)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'solvers' has no attribute {name!r}")
+    return getattr(import_module(f"solvers.{_HOME_OF[name]}"), name)

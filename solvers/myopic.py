@@ -1,0 +1,213 @@
+"""One-step choice on a model that decomposes: linear in the blocks, and the same action as the exponential solver.
+
+V(B, A) is a sum over blocks (eq:policy3). Rewards are linear in the belief, so the expectation over observations falls
+away block by block (tower property): each reward term is contracted with its block's predicted marginal into a local
+function of actions, equal blocks at once; then a joint action is chosen (`solvers.maximise`).
+Cost of a decision: one prediction of the stacked belief, plus a choice that does not depend on the number of blocks.
+When not to use it: where looking further ahead than one step pays.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from factored_pomdp.beliefs import ProductBelief, initial_belief
+from factored_pomdp.beliefs.plan import StackPlan, plan_of
+from factored_pomdp.contraction import contract
+from factored_pomdp.decomposition import decompose
+from factored_pomdp.factors import DenseFactor, ExpectedNoisyOr, Factor, NoisyOr, constant
+from factored_pomdp.model import FactoredPOMDP
+from factored_pomdp.variables import Value, Variable, count
+from solvers.base import Ability, Decision
+from solvers.maximise import maximise
+
+__all__ = ["DecomposedMyopic"]
+
+
+class DecomposedMyopic:
+    """Maximises the expected reward of the next step over a `ProductBelief`.
+
+    Parameters
+    ----------
+    model : FactoredPOMDP
+    """
+
+    name = "myopic"
+    summary = "one step ahead, block by block"
+
+    def __init__(self, model: FactoredPOMDP) -> None:
+        self.model = model
+        self.plan = plan_of(model)
+
+    @classmethod
+    def can_solve(cls, model: FactoredPOMDP) -> Ability:
+        """Always; a model that does not fall apart is one large block, whose size the estimate tells."""
+        certificate = decompose(model, counterexamples=False)
+        largest = max((count(model.variable(n) for n in block) for block in certificate.blocks), default=1)
+        because = f"{len(certificate.blocks)} block(s), the largest with {largest:,} states"
+        if largest > 20_000_000:
+            return Ability(False, because + "; more than 20,000,000", f"{8 * largest:,} bytes a belief")
+        states = sum(count(model.variable(n) for n in block) for block in certificate.blocks)
+        return Ability(True, because, f"{8 * states:,} bytes a belief; {model.joint_actions:,} joint actions to choose from")
+
+    def start(self) -> ProductBelief:
+        """The model's initial belief, in the form that `decide` takes."""
+        return initial_belief(self.model)
+
+    def decide(self, belief: ProductBelief, prefer: Mapping[str, Value] | None = None) -> Decision:
+        """The best action for the next step.
+
+        Parameters
+        ----------
+        prefer : mapping, optional
+            Action values to keep where that costs nothing.
+        """
+        known = belief.known
+        legal = [factor.condition(_given(factor, known)) for factor in self.model.legal.values() if _readable(factor, known)]
+        return maximise(self.local_functions(belief), self.model.actions, legal, prefer)
+
+    def value(self, belief: ProductBelief, action: Any) -> float:
+        """V(B, A): expected reward of the next step for one action (eq:policy3)."""
+        chosen = self.model.action(action)
+        return sum(float(f.condition(chosen).dense().array) for f in self.local_functions(belief))
+
+    def local_functions(self, belief: ProductBelief) -> list[Factor]:
+        """Functions of action variables whose sum is V(B, ·)."""
+        known = belief.known
+        functions = [self._of_actions(f.condition(_given(f, known)), known) for _, f in self.plan.structure.free_rewards]
+        for number, plan in enumerate(belief.plan.stacks):
+            for _, reward in plan.stack.pattern.rewards:
+                for columns, names in _alike(belief, number, reward):
+                    local = self._local(belief, number, columns, names, reward)
+                    functions.append(self._of_actions(local, known))
+        return functions
+
+    def _local(
+        self, belief: ProductBelief, number: int, columns: list[int] | None, names: Mapping[str, str], reward: Factor
+    ) -> Factor:
+        """One reward term of some members of a stack, over actions and known variables' next values."""
+        plan = belief.plan.stacks[number]
+        rename = {old: new for old, new in names.items() if old in plan.stack.own}
+        given = {_pattern(rename, name): value for name, value in belief.known.items()}
+        pattern = plan.stack.pattern
+        seen = {s.name: pattern.likelihood[s.name] for s in plan.seen}
+        used = _needed(reward, seen)
+        inner_now = [v for v in plan.variables if any(v in factor.scope for factor in (reward, *used))]
+        factors = [factor.condition(_given(factor, given)) for factor in (reward, *used)]
+        if inner_now:
+            state = _weights(belief.arrays[number], columns, plan, plan.variables)
+            moves = [f.condition(_given(f, given)) for f in pattern.transition.values()]
+            inner = {v for v in (*plan.variables, *(w.next for w in plan.variables))} | {s.child for s in plan.seen}
+            keep = [v for f in (*factors, *moves) for v in f.scope if v not in inner]
+            return contract([state, *moves, *factors], keep).renamed(rename)
+        hidden = [v.next for v in plan.variables if any(v.next in factor.scope for factor in factors)]
+        weights = self._predicted(belief, number, columns, rename, hidden)
+        expected = _expected(weights, factors, plan)
+        return expected.renamed(rename)
+
+    def _predicted(
+        self, belief: ProductBelief, number: int, columns: list[int] | None, rename: Mapping[str, str], hidden: Sequence[Variable]
+    ) -> Factor:
+        """Predicted mass over some next variables, and over the actions that the prediction reads."""
+        plan = belief.plan.stacks[number]
+        actions = {variable.name: variable for variable in self.model.actions}
+        read = [v for v in plan.prediction.context if rename.get(v.name, v.name) in actions]
+        ahead = any(v.is_next for v in plan.prediction.context)
+        free = list(self.model.actions) if ahead else [actions[rename.get(v.name, v.name)] for v in read]
+        base = {v.name: v.values[0] for v in self.model.actions}
+        tables = []
+        for values in itertools.product(*(variable.values for variable in free)):
+            action = {**base, **dict(zip((v.name for v in free), values, strict=True))}
+            predicted = belief.predicted(number, action, belief.next_known(action) if ahead else {})
+            tables.append(_weights(predicted, columns, plan, hidden, after=True).array)
+        back = {own: old for old, own in rename.items()}
+        scope = [*(v.renamed(back.get(v.name, v.name)) for v in free), *hidden]
+        return DenseFactor(scope, np.stack(tables).reshape([variable.size for variable in scope]))
+
+    def _of_actions(self, function: Factor, known: Mapping[str, Value]) -> Factor:
+        """Replace known variables' next values by what the actions make of them."""
+        structure = self.plan.structure
+        for name in structure.known:
+            after = self.model.variable(f"{name}.next")
+            if after not in function.scope:
+                continue
+            moved = structure.functions.get(name, self.model.transition[name])
+            unread = [v.name for v in moved.scope if v.name in known and known[v.name] is None]
+            if unread:
+                function = function.condition({after.name: None})
+                continue
+            moved = moved.condition(_given(moved, known))
+            parents = [variable for variable in moved.scope if variable != after]
+            if len(parents) == 1 and name in structure.functions:
+                indexes = moved.array_over([parents[0], after]).argmax(axis=1)
+                function = function.substituted(after, parents[0], indexes)
+            elif not parents and name in structure.functions:
+                function = function.condition({after.name: after.values[int(moved.array_over([after]).argmax())]})
+            else:
+                function = function.dense().product(moved.dense()).marginalise(after)
+        return function
+
+
+def _alike(belief: ProductBelief, number: int, reward: Factor) -> list[tuple[list[int] | None, Mapping[str, str]]]:
+    """Members whose local function is over the same variables, to be added up at once; ``None`` for all of them."""
+    plan, members = belief.plan.stacks[number], belief.members[number]
+    observed = {seen.name for seen in plan.seen}
+    mentioned = {v.name for f in (reward, *plan.stack.pattern.transition.values(), *plan.stack.pattern.likelihood.values()) for v in f.scope}
+    if not members:
+        return []
+    if not (plan.stack.own - observed) & mentioned:
+        return [(None, members[0])]
+    return [([column], names) for column, names in enumerate(members)]
+
+
+def _needed(reward: Factor, likelihoods: Mapping[str, Factor]) -> list[Factor]:
+    """Distributions of the observations that a reward reads."""
+    return [factor for name, factor in likelihoods.items() if name in reward.names or f"{name}.next" in reward.names and name not in factor.names]
+
+
+def _weights(
+    array: np.ndarray[Any, Any], columns: list[int] | None, plan: StackPlan, keep: Sequence[Variable], after: bool = False
+) -> DenseFactor:
+    mass = array.sum(axis=1) if columns is None else array[:, columns].sum(axis=1)
+    scope = tuple(variable.next for variable in plan.variables) if after else plan.variables
+    axes = tuple(axis for axis, variable in enumerate(scope) if variable not in keep)
+    return DenseFactor([v for v in scope if v in keep], mass.reshape(plan.shape).sum(axis=axes))
+
+
+def _expected(weights: Factor, factors: list[Factor], plan: StackPlan) -> Factor:
+    """Sum over hidden variables and observations of weights · reward · likelihoods."""
+    children = {seen.child for seen in plan.seen}
+    hidden = {variable.next for variable in plan.variables}
+    reward, others = factors[0], factors[1:]
+    if len(others) == 1 and isinstance(others[0], NoisyOr) and not set(others[0].cause_variables) & hidden:
+        noisy = others[0]
+        inside = {*noisy.context, noisy.child}
+        if set(reward.scope) <= inside and set(weights.scope) == set(noisy.context):
+            if set(reward.scope) <= {noisy.child}:
+                payoff = reward.array_over([noisy.child]).reshape(1, -1)
+            else:
+                payoff = np.broadcast_to(
+                    reward.array_over([*noisy.context, noisy.child]), [v.size for v in (*noisy.context, noisy.child)]
+                ).reshape(count(noisy.context), noisy.child.size)
+            return ExpectedNoisyOr.of(noisy, weights.array_over(noisy.context).ravel(), payoff)
+    keep = [v for factor in (weights, *factors) for v in factor.scope if v not in children and v not in hidden]
+    return contract([weights, *factors], keep) if factors else constant(0.0)
+
+
+def _given(factor: Factor, known: Mapping[str, Value]) -> dict[str, Value]:
+    return {name: known[name] for name in factor.names if known.get(name) is not None}
+
+
+def _readable(factor: Factor, known: Mapping[str, Value]) -> bool:
+    return all(known[name] is not None for name in factor.names if name in known)
+
+
+def _pattern(rename: Mapping[str, str], name: str) -> str:
+    for old, own in rename.items():
+        if own == name:
+            return old
+    return name

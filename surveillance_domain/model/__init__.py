@@ -1,0 +1,1 @@
+"""Motion, optics, fields of view, and the factored POMDP that they make."""

@@ -1,0 +1,1 @@
+"""The worlds that cameras look at, and the simulated truth behind them."""

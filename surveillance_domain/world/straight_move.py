@@ -51,11 +51,6 @@ def first_wall(free: Bool[np.ndarray, "rows columns"], x: float, y: float, dx: f
     dx, dy : float
         The way, in cells.
     """
-    rows, columns = free.shape
-
-    def is_free(column: int, row: int) -> bool:
-        return 0 <= row < rows and 0 <= column < columns and bool(free[row, column])
-
     column, row = math.floor(x), math.floor(y)
     right, up = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
     length = math.hypot(dx, dy)
@@ -66,15 +61,19 @@ def first_wall(free: Bool[np.ndarray, "rows columns"], x: float, y: float, dx: f
         if share > 1:
             return None
         if abs(to_x - to_y) * length < CORNER_CELLS:
-            beside, above = is_free(column + right, row), is_free(column, row + up)
-            if not (is_free(column + right, row + up) and (beside or above)):
+            beside, above = _is_free(free, column + right, row), _is_free(free, column, row + up)
+            if not (_is_free(free, column + right, row + up) and (beside or above)):
                 return Wall(share, stops_x=beside == above or not beside, stops_y=beside == above or not above)
             column, row = column + right, row + up
         elif to_x < to_y:
             column += right
-            if not is_free(column, row):
+            if not _is_free(free, column, row):
                 return Wall(share, stops_x=True, stops_y=False)
         else:
             row += up
-            if not is_free(column, row):
+            if not _is_free(free, column, row):
                 return Wall(share, stops_x=False, stops_y=True)
+
+
+def _is_free(free: Bool[np.ndarray, "rows columns"], column: int, row: int) -> bool:
+    return 0 <= row < free.shape[0] and 0 <= column < free.shape[1] and bool(free[row, column])

@@ -83,30 +83,29 @@ class JointMyopic:
         """V(B, A) of eq:policy2, plus the part of the reward that reads the current state."""
         predicted = belief.predict(action)
         after = [variable.next for variable in self.model.states]
-        now = predicted.table.renamed({variable.name: variable.next.name for variable in self.model.states})
-        mass = np.asarray(now.array_over(after)).reshape(-1)
+        mass = predicted.table.array_over(self.model.states)
         total = self._current(belief, action)
         rewards = [f.condition(action) for f in self.model.reward.values() if not self._reads_current(f)]
-        tables = {name: factor.condition(action) for name, factor in self.observation.items()}
+        columns = self._columns(action, after)
         for values in itertools.product(*(variable.values for variable in self.model.observations)):
             seen = dict(zip((variable.name for variable in self.model.observations), values, strict=True))
-            likelihood = np.ones(())
+            unnormalised = mass
             for name, value in seen.items():
-                likelihood = likelihood * self._column(tables[name], name, value, after)
-            unnormalised = np.broadcast_to(likelihood, [v.size for v in after]).reshape(-1) * mass
+                unnormalised = unnormalised * columns[name][value]
             probability = float(unnormalised.sum())
             if probability > 0:
                 posterior = unnormalised / probability
-                expected = sum(
-                    float(np.dot(np.broadcast_to(r.condition(seen).array_over(after), [v.size for v in after]).reshape(-1), posterior))
-                    for r in rewards
-                )
+                expected = sum(float((posterior * r.condition(seen).array_over(after)).sum()) for r in rewards)
                 total += expected * probability
         return total
 
-    def _column(self, table: Factor, name: str, value: Value, after: list[Any]) -> np.ndarray[Any, Any]:
-        """``P(z | S')`` as an array that broadcasts over joint next states."""
-        return table.condition({name: value}).array_over(after)
+    def _columns(self, action: Mapping[str, Value], after: list[Any]) -> dict[str, dict[Value, np.ndarray[Any, Any]]]:
+        """``P(z | S')`` for every observation variable and value, as arrays that broadcast over joint next states."""
+        columns: dict[str, dict[Value, np.ndarray[Any, Any]]] = {}
+        for variable in self.model.observations:
+            table = self.observation[variable.name].condition(action)
+            columns[variable.name] = {v: table.condition({variable.name: v}).array_over(after) for v in variable.values}
+        return columns
 
     def _reads_current(self, reward: Factor) -> bool:
         return any(variable in self.model.states for variable in reward.scope)
@@ -117,7 +116,7 @@ class JointMyopic:
         for reward in self.model.reward.values():
             if self._reads_current(reward):
                 needed = self._ancestors(reward)
-                total += float(contract([belief.table, *needed, reward.condition(action)], []).dense().array)
+                total += float(contract([f.condition(action) for f in (belief.table, *needed, reward)], []).dense().array)
         return total
 
     def _ancestors(self, reward: Factor) -> list[Factor]:

@@ -45,8 +45,7 @@ class DenseFactor(Factor):
     def sparse(self) -> Any:
         from factored_pomdp.factors.sparse import SparseFactor
 
-        coordinates = np.argwhere(self.array)
-        return SparseFactor(self.scope, coordinates, self.array[tuple(coordinates.T)])
+        return SparseFactor(self.scope, np.argwhere(self.array), self.array[self.array != 0])
 
     def renamed(self, names: Mapping[str, str]) -> DenseFactor:
         return DenseFactor([v.renamed(names.get(v.name, v.name)) for v in self.scope], self.array)

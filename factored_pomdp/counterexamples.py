@@ -1,0 +1,247 @@
+"""Numbers that show a tie: worked out on the tied block alone, from beliefs with a few values each.
+
+Initial tie: a joint probability that is not the product of the marginals. Transition or observation tie: a posterior that is
+not the product of its marginals although the belief was one, or two beliefs that agree on one thing whose posteriors differ
+there. Reward tie: four expected rewards whose mixed difference is not zero.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from functools import reduce
+from typing import Any
+
+import numpy as np
+
+from factored_pomdp.contraction import contract
+from factored_pomdp.factors import Factor, SparseFactor, constant
+from factored_pomdp.influence import influence
+from factored_pomdp.structure import Block, Join, Structure
+from factored_pomdp.variables import Value, Variable
+
+__all__ = ["counterexample_of"]
+
+_SHOWS = 1e-6
+_TRIALS = 60
+_SEED = 0
+
+Belief = dict[str, dict[Value, float]]
+Counterexample = dict[str, Any]
+
+
+def counterexample_of(structure: Structure, join: Join) -> Counterexample | None:
+    """A counterexample of the join's own kind, or ``None`` if none was found in a bounded search."""
+    if join.kind == "initial":
+        return _not_a_product(join.table, [structure.things[n] for n in join.things], {"kind": "belief"})
+    search = _Search(structure, join)
+    if join.kind == "reward":
+        return search.value()
+    return search.posterior()
+
+
+def _not_a_product(table: Factor, things: list[tuple[str, ...]], said: Counterexample) -> Counterexample | None:
+    """The assignment at which a joint probability differs most from the product of the things' marginals."""
+    sparse = table.sparse()
+    groups = [tuple(v for v in sparse.scope if v.name in thing) for thing in things]
+    groups = [group for group in groups if group]
+    rest = [variable for variable in sparse.scope if not any(variable in group for group in groups)]
+    joint = sparse.marginalise(*rest) if rest else sparse
+    joint = joint.product(constant(1 / float(joint.numbers.sum()))).sparse()
+    parts = [joint.marginalise(*(v for v in joint.scope if v not in group)) for group in groups]
+    product = reduce(lambda a, b: a.product(b), parts).sparse()
+    ours = dict(zip(joint.flat(joint.scope).tolist(), joint.numbers.tolist(), strict=True))
+    keys = product.flat(joint.scope).tolist()
+    differences = [abs(ours.get(key, 0.0) - number) for key, number in zip(keys, product.numbers, strict=True)]
+    worst = int(np.argmax(differences)) if differences else -1
+    if worst < 0 or differences[worst] <= _SHOWS:
+        return None
+    at = {v.name: v.values[int(i)] for v, i in zip(product.scope, product.coordinates[worst], strict=True)}
+    return {**said, "at": at, "joint": ours.get(keys[worst], 0.0), "product": float(product.numbers[worst])}
+
+
+class _Search:
+    """Tries beliefs near the values at which the tying factor shows its dependence."""
+
+    def __init__(self, structure: Structure, join: Join) -> None:
+        self.structure, self.join, self.model = structure, join, structure.model
+        self.things = [structure.things[number] for number in join.things]
+        tied = {name for thing in self.things for name in thing}
+        self.blocks = [block for block in structure.blocks if tied & set(block.names)]
+        self.block = Block(
+            tuple(v for block in self.blocks for v in block.variables),
+            {n: f for block in self.blocks for n, f in block.transition.items()},
+            {n: f for block in self.blocks for n, f in block.likelihood.items()},
+        )
+        self.hidden = {variable.name: variable for variable in self.block.variables}
+        self.rng = np.random.default_rng(_SEED)
+
+    def posterior(self) -> Counterexample | None:
+        for belief, others in self._beliefs():
+            context = self._context(others)
+            predicted = self._predicted(belief, context)
+            observed = self._observation(predicted, context, others)
+            after = self._posterior(predicted, context, observed)
+            if after is None:
+                continue
+            said = {"kind": "posterior", "belief": belief, **context, "observation": observed}
+            found = _not_a_product(after, self.things, said)
+            if found is None:
+                found = self._dependence(belief, context, observed, after)
+            if found is not None:
+                return found
+        return None
+
+    def value(self) -> Counterexample | None:
+        """Expected rewards of four beliefs that differ in one thing each."""
+        first, second = self.things[0], self.things[1]
+        for belief, others in self._beliefs():
+            context = self._context(others)
+            numbers: dict[tuple[int, int], float] = {}
+            for one, two in itertools.product((0, 1), repeat=2):
+                changed = dict(belief)
+                for name in (*first, *second):
+                    values = list(belief[name])
+                    pick = values[min(one if name in first else two, len(values) - 1)]
+                    changed[name] = {pick: 1.0}
+                numbers[one, two] = self._expected(changed, context)
+            mixed = numbers[0, 0] + numbers[1, 1] - numbers[0, 1] - numbers[1, 0]
+            if abs(mixed) > _SHOWS:
+                ends = {name: list(belief[name]) for name in (*first, *second)}
+                values = {f"{one}{two}": number for (one, two), number in numbers.items()}
+                return {"kind": "value", "ends": ends, **context, "values": values, "mixed_difference": mixed}
+        return None
+
+    def _dependence(
+        self, belief: Belief, context: Mapping[str, Any], observed: Mapping[str, Value], after: Factor
+    ) -> Counterexample | None:
+        """Change the belief of one thing and see whether another's posterior changes."""
+        for changed, watched in itertools.permutations(self.things, 2):
+            other = dict(belief)
+            for name in changed:
+                values = list(belief[name])
+                other[name] = {values[-1]: 1.0}
+            second = self._posterior(self._predicted(other, context), context, observed)
+            if second is None:
+                continue
+            kept = [self.hidden[name] for name in watched]
+            one, two = (_marginal(table, kept) for table in (after, second))
+            where = int(np.abs(one - two).argmax())
+            if abs(one.ravel()[where] - two.ravel()[where]) > _SHOWS:
+                index = np.unravel_index(where, one.shape)
+                at = {v.name: v.values[int(i)] for v, i in zip(kept, index, strict=True)}
+                return {
+                    "kind": "two beliefs",
+                    "belief": belief,
+                    "other_belief": {name: other[name] for name in changed},
+                    **context,
+                    "observation": dict(observed),
+                    "at": at,
+                    "posterior": float(one[index]),
+                    "other_posterior": float(two[index]),
+                }
+        return None
+
+    def _beliefs(self) -> Iterator[tuple[Belief, dict[str, Value]]]:
+        """Product beliefs with two values for each tied variable; the first ones where the factor shows its tie."""
+        table = self.join.table
+        pairs: dict[str, list[Value]] = {}
+        others: dict[str, Value] = {}
+        for variable in table.scope:
+            witness = influence(table, variable)
+            if witness is not None:
+                others.update({name: value for name, value in witness.others.items() if name not in others})
+                pairs.setdefault(variable.name.removesuffix(".next"), []).extend(witness.values)
+        for trial in range(_TRIALS):
+            belief: Belief = {}
+            for name, variable in self.hidden.items():
+                values = list(dict.fromkeys(pairs.get(name, [])))[:2] if trial < _TRIALS // 3 else []
+                while len(values) < min(2, variable.size):
+                    near = others.get(name, others.get(f"{name}.next")) if trial < _TRIALS // 3 else None
+                    fresh = near if near is not None and near not in values else variable.values[int(self.rng.integers(variable.size))]
+                    if fresh not in values:
+                        values.append(fresh)
+                share = 0.5 if trial % 2 == 0 else float(self.rng.uniform(0.2, 0.8))
+                belief[name] = dict(zip(values, (share, 1 - share), strict=False)) if len(values) > 1 else {values[0]: 1.0}
+            yield belief, others if trial < _TRIALS // 3 else {}
+
+    def _context(self, others: Mapping[str, Value]) -> dict[str, Any]:
+        """An action and known values; those of the witness where it names them."""
+        action = {v.name: others.get(v.name, self._any(v)) for v in self.model.actions}
+        known = {name: others.get(name, self._any(self.model.variable(name))) for name in self.structure.known}
+        if not self.model.is_legal(action, known):
+            return self._context({})
+        return {"action": action, "known": known}
+
+    def _any(self, variable: Variable) -> Value:
+        return variable.values[int(self.rng.integers(variable.size))]
+
+    def _given(self, context: Mapping[str, Any]) -> dict[str, Value]:
+        given = {**context["action"], **context["known"]}
+        for name, factor in self.structure.functions.items():
+            line = factor.condition(given).dense()
+            if len(line.scope) == 1:
+                given[f"{name}.next"] = line.scope[0].values[int(line.array.argmax())]
+        return given
+
+    def _predicted(self, belief: Belief, context: Mapping[str, Any]) -> Factor:
+        """Joint table over current and next hidden variables (current ones are needed by known ones that are seen)."""
+        given = self._given(context)
+        table: Factor = constant(1.0)
+        for name, masses in belief.items():
+            variable = self.hidden[name]
+            rows = [[variable.index(value)] for value in masses]
+            table = table.product(SparseFactor([variable], rows, list(masses.values())))
+        left = {name: factor.condition(given) for name, factor in self.block.transition.items()}
+        while left:
+            name = next(n for n, f in left.items() if not any(v.is_next and v.name[:-5] in left for v in f.scope if v.name != f"{n}.next"))
+            table = table.product(left.pop(name))
+        return table
+
+    def _observation(self, predicted: Factor, context: Mapping[str, Any], others: Mapping[str, Value]) -> dict[str, Value]:
+        """Draw a value for everything that is seen of the block; the witness' own where it has one."""
+        given, observed = self._given(context), {}
+        seen = {v.name for v in self.model.observations}
+        for name, factor in self.block.likelihood.items():
+            child = name if name in seen else f"{name}.next"
+            table = factor.condition({n: v for n, v in given.items() if n != child})
+            line = contract([predicted, *self._shown(observed, given), table], [table.variable(child)]).array_over(
+                [table.variable(child)]
+            )
+            if child in others and line[table.variable(child).index(others[child])] > 0:
+                observed[child] = others[child]
+            elif line.sum() > 0:
+                observed[child] = table.variable(child).values[int(self.rng.choice(len(line), p=line / line.sum()))]
+        return observed
+
+    def _shown(self, observed: Mapping[str, Value], given: Mapping[str, Value]) -> list[Factor]:
+        names = {**given, **observed}
+        seen = {v.name for v in self.model.observations}
+        keys = {name: name if name in seen else f"{name}.next" for name in self.block.likelihood}
+        return [self.block.likelihood[n].condition({**names}) for n, child in keys.items() if child in observed]
+
+    def _posterior(self, predicted: Factor, context: Mapping[str, Any], observed: Mapping[str, Value]) -> Factor | None:
+        after = [variable.next for variable in self.block.variables]
+        table = contract([predicted, *self._shown(observed, self._given(context))], after).sparse()
+        total = float(table.numbers.sum())
+        if not total > 0:
+            return None
+        return table.product(constant(1 / total)).renamed({v.next.name: v.name for v in self.block.variables})
+
+    def _expected(self, belief: Belief, context: Mapping[str, Any]) -> float:
+        """Expected value of the tying reward for one belief."""
+        given = self._given(context)
+        wanted, factors = [self.join.table.condition(given)], [self._predicted(belief, context)]
+        names = {v.name for v in wanted[0].scope}
+        for variable in self.model.observations:
+            if variable.name in names:
+                factors.append(self.model.observation[variable.name].condition(given))
+        for name in self.structure.known:
+            if f"{name}.next" in names and f"{name}.next" not in given:
+                factors.append(self.model.transition[name].condition(given))
+        return float(contract([*factors, *wanted], []).dense().array)
+
+
+def _marginal(table: Factor, kept: list[Variable]) -> np.ndarray[Any, Any]:
+    rest = [variable for variable in table.scope if variable not in kept]
+    return (table.marginalise(*rest) if rest else table).array_over(kept)

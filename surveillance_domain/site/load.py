@@ -9,9 +9,10 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from surveillance_domain.site.checks import check_against_grid, check_fields
+from surveillance_domain.site.checks import check_fields
 from surveillance_domain.site.faults import Fault, SiteError
 from surveillance_domain.site.maps import build_grid
+from surveillance_domain.site.places import check_places
 from surveillance_domain.site.site import Site
 from surveillance_domain.site.validation import validate
 
@@ -73,7 +74,7 @@ def _parse(content: bytes, name: str, path: Path | None, folder: Path, source: s
     grid, inputs, map_faults = build_grid(file.map, folder)
     if grid is None:
         raise SiteError(source, faults + map_faults)
-    faults += check_against_grid(file, grid)
+    faults += check_places(file, grid)
     if faults:
         raise SiteError(source, faults)
     digest = hashlib.sha256()

@@ -11,6 +11,8 @@ from surveillance_domain.site.sections import Map
 
 __all__ = ["build_grid"]
 
+_LONGEST_SIDE = 100_000
+
 
 def build_grid(section: Map, folder: Path) -> tuple[Grid | None, tuple[bytes, ...], tuple[Fault, ...]]:
     """The grid, the contents of the files that it was made from, and the faults (then there is no grid)."""
@@ -21,20 +23,23 @@ def build_grid(section: Map, folder: Path) -> tuple[Grid | None, tuple[bytes, ..
         faults = _row_faults(section.rows)
         if faults:
             return None, (), faults
-        return _unless_full(Grid.from_rows(list(section.rows), section.cell_m), "map.rows", ())
+        return _if_usable(Grid.from_rows(list(section.rows), section.cell_m), "map.rows", ())
     try:
         ros_map = read_ros_map(folder / str(section.ros))
         grid = ros_map.grid(section.cell_m, section.unknown)
     except RosMapError as error:
         return None, (), tuple(Fault(f"map.ros ({fault.where})", fault.found, fault.expected) for fault in error.faults)
-    return _unless_full(grid, "map.ros", ros_map.contents)
+    return _if_usable(grid, "map.ros", ros_map.contents)
 
 
-def _unless_full(
+def _if_usable(
     grid: Grid, where: str, contents: tuple[bytes, ...]
 ) -> tuple[Grid | None, tuple[bytes, ...], tuple[Fault, ...]]:
     if grid.size == 0:
         return None, (), (Fault(where, "a map without free cells", "at least one free cell"),)
+    if max(grid.rows, grid.columns) > _LONGEST_SIDE:
+        found = f"a map of {grid.columns} x {grid.rows} cells"
+        return None, (), (Fault(where, found, f"at most {_LONGEST_SIDE} cells along either side"),)
     return grid, contents, ()
 
 

@@ -13,7 +13,7 @@ from surveillance_domain.site.camera import Camera
 from surveillance_domain.site.faults import Fault
 from surveillance_domain.site.schema import SiteFile
 
-__all__ = ["check_fields", "repeated"]
+__all__ = ["check_fields"]
 
 _DICTIONARY_SIZE_OF_ARUCO_ORIGINAL = 1024
 
@@ -24,11 +24,11 @@ def check_fields(file: SiteFile, folder: Path) -> tuple[Fault, ...]:
 
 
 def _field_faults(file: SiteFile, folder: Path) -> Iterator[Fault]:
-    yield from repeated("cameras", [camera.name for camera in file.cameras])
-    yield from repeated("static_cameras", [camera.name for camera in file.static_cameras])
-    yield from repeated("targets.known", [target.name for target in file.targets.known])
+    yield from _repeated("cameras", [camera.name for camera in file.cameras])
+    yield from _repeated("static_cameras", [camera.name for camera in file.static_cameras])
+    yield from _repeated("targets.known", [target.name for target in file.targets.known])
     markers = [target.marker for target in file.targets.known if target.marker is not None]
-    yield from repeated("targets.known", [str(marker) for marker in markers], "marker")
+    yield from _repeated("targets.known", [str(marker) for marker in markers], "marker")
     for index, camera in enumerate(file.cameras):
         yield from _camera_faults(f"cameras[{index}]", camera, folder)
     speeds = file.targets.speeds_mps
@@ -46,7 +46,7 @@ def _field_faults(file: SiteFile, folder: Path) -> Iterator[Fault]:
                 yield Fault(f"targets.known[{index}].marker", str(target.marker), f"0 to {size - 1}, as {name} has")
 
 
-def repeated(where: str, values: Sequence[str], key: str = "name") -> Iterator[Fault]:
+def _repeated(where: str, values: Sequence[str], key: str = "name") -> Iterator[Fault]:
     """A fault for each value that stands more than once in a list of tables."""
     counts = Counter(values)
     for value in (value for value, count in counts.items() if count > 1):
@@ -56,7 +56,7 @@ def repeated(where: str, values: Sequence[str], key: str = "name") -> Iterator[F
 
 def _camera_faults(where: str, camera: Camera, folder: Path) -> Iterator[Fault]:
     names = [preset.name for preset in camera.presets]
-    yield from repeated(f"{where}.presets", names)
+    yield from _repeated(f"{where}.presets", names)
     if camera.home is not None and camera.home not in names:
         yield Fault(f"{where}.home", f'"{camera.home}"', f"one of the presets {', '.join(names)}")
     zooms, angles = zip(*camera.zoom_hfov, strict=True)

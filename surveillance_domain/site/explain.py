@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import json
 import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, get_args
@@ -47,7 +48,11 @@ def _fault(
             return Fault(where, "a secret in the file", "the name of an environment variable, in password_env")
         return Fault(where, "an unknown key", _known_keys(section, str(location[-1])))
     if error["type"] == "missing":
-        return Fault(where, "nothing", str(field.description))
+        if isinstance(location[-1], str):
+            return Fault(where, "nothing", str(field.description))
+        while isinstance(location[-1], int):  # an item of a list that is too short: the list is what is wrong
+            location = location[:-1]
+        where = key_path(as_written(location))
     expected = str(error["ctx"]["error"]) if error["type"] == "value_error" else str(field.description)
     return Fault(where, shown(_value_at(tables, location)), expected)
 
@@ -67,7 +72,7 @@ def shown(value: Any) -> str:
     elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
         text = "a list of tables"
     else:
-        text = f'"{value}"' if isinstance(value, str) else repr(value)
+        text = json.dumps(value, ensure_ascii=not value.isprintable()) if isinstance(value, str) else repr(value)
     text = _PASSWORD_IN_QUERY.sub(r"\1…", _PASSWORD_IN_URL.sub("//…@", text))
     return text if len(text) <= 60 else text[:57] + "…"
 

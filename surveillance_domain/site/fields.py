@@ -77,6 +77,8 @@ Point = tuple[Metres, Metres]
 Position = tuple[Metres, Metres, Height]
 Name = Annotated[str, StringConstraints(min_length=1, max_length=64), AfterValidator(_printable)]
 FileName = Annotated[str, StringConstraints(min_length=1, max_length=4096), AfterValidator(_printable)]
-UserName = Annotated[str, StringConstraints(min_length=1, max_length=64, pattern=r"^[^:\s]+$")]
+UserName = Annotated[
+    str, StringConstraints(min_length=1, max_length=64, pattern=r"^[^:\s]+$"), AfterValidator(_printable)
+]
 EnvironmentName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=128)]
 Url = Annotated[str, StringConstraints(min_length=1, max_length=2048), AfterValidator(_url_without_password)]

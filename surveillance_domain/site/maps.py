@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from surveillance_domain.site.explain import shown
 from surveillance_domain.site.faults import Fault
 from surveillance_domain.site.grid import Grid
 from surveillance_domain.site.ros_maps import RosMapError, read_ros_map
@@ -44,14 +45,19 @@ def _if_usable(
 
 
 def _row_faults(rows: tuple[str, ...]) -> tuple[Fault, ...]:
+    """Wrong marks, or if there are none, wrong lengths."""
     width = len(rows[0])
     if width == 0:
         return (Fault("map.rows[0]", "an empty row", "'#' blocked and '.' free"),)
-    faults = []
-    for index, row in enumerate(rows):
-        wrong = sorted(set(row) - set(".#"))
-        if wrong:
-            faults.append(Fault(f"map.rows[{index}]", f'the mark "{wrong[0]}"', "'#' blocked and '.' free only"))
-        if len(row) != width:
-            faults.append(Fault(f"map.rows[{index}]", f"{len(row)} marks", f"{width}, as in the first row"))
-    return tuple(faults)
+    marks = [(index, sorted(set(row) - set(".#"))) for index, row in enumerate(rows)]
+    wrong_marks = [
+        Fault(f"map.rows[{index}]", f"the mark {shown(wrong[0])}", "'#' blocked and '.' free only")
+        for index, wrong in marks
+        if wrong
+    ]
+    wrong_lengths = [
+        Fault(f"map.rows[{index}]", f"{len(row)} marks", f"{width}, as in the first row")
+        for index, row in enumerate(rows)
+        if len(row) != width
+    ]
+    return tuple(wrong_marks or wrong_lengths)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import product
 
 import numpy as np
 
-from surveillance_domain.site.checks import repeated
 from surveillance_domain.site.faults import Fault
 from surveillance_domain.site.grid import Grid
 from surveillance_domain.site.schema import SiteFile
@@ -36,8 +36,9 @@ def _faults(file: SiteFile, grid: Grid) -> Iterator[Fault]:
                 yield Fault(where, f"[{column}, {row}], outside of the map", limits)
             elif not grid.free[row, column]:
                 yield Fault(where, f"[{column}, {row}], a blocked cell", "a free cell [column, row]")
-    cells = [str(list(cell)) for door in file.targets.doors for cell in door.cells]
-    yield from repeated("targets.doors: cells", cells, "cell")
+    counts = Counter(cell for door in file.targets.doors for cell in door.cells)
+    for cell in (cell for cell, count in counts.items() if count > 1):
+        yield Fault("targets.doors", f"the cell {list(cell)} {counts[cell]} times", "each cell in one door, once")
 
 
 def _position_faults(where: str, position_m: Sequence[float], grid: Grid) -> Iterator[Fault]:

@@ -45,10 +45,12 @@ class SparseFactor(Factor):
     def dense(self) -> DenseFactor:
         self.refuse_if_large(self.scope)
         array = np.zeros([variable.size for variable in self.scope])
-        array[tuple(self.coordinates.T)] = self.numbers
+        array[tuple(self.coordinates.T)] = self.numbers if self.scope else self.numbers.sum()
         return DenseFactor(self.scope, array)
 
     def renamed(self, names: Mapping[str, str]) -> SparseFactor:
+        if not any(names.get(name, name) != name for name in self.names):
+            return self
         return SparseFactor(
             [v.renamed(names.get(v.name, v.name)) for v in self.scope], self.coordinates, self.numbers
         )

@@ -27,6 +27,8 @@ from solvers.maximise import maximise
 
 __all__ = ["DecomposedMyopic"]
 
+_MOST_TEMPLATES = 1000
+
 
 class DecomposedMyopic:
     """Maximises the expected reward of the next step over a `ProductBelief`.
@@ -42,6 +44,9 @@ class DecomposedMyopic:
     def __init__(self, model: FactoredPOMDP) -> None:
         self.model = model
         self.plan = plan_of(model)
+        factors = [*model.transition.values(), *model.observation.values(), *model.reward.values()]
+        self._read = {variable.name for factor in factors for variable in factor.scope} & set(self.plan.structure.known)
+        self._templates: dict[tuple[object, ...], tuple[ExpectedNoisyOr, tuple[Variable, ...]]] = {}
 
     @classmethod
     def can_solve(cls, model: FactoredPOMDP) -> Ability:
@@ -80,11 +85,45 @@ class DecomposedMyopic:
         known = belief.known
         functions = [self._of_actions(f.condition(_given(f, known)), known) for _, f in self.plan.structure.free_rewards]
         for number, plan in enumerate(belief.plan.stacks):
-            for _, reward in plan.stack.pattern.rewards:
+            for position, (_, reward) in enumerate(plan.stack.pattern.rewards):
                 for columns, names in _alike(belief, number, reward):
-                    local = self._local(belief, number, columns, names, reward)
-                    functions.append(self._of_actions(local, known))
+                    key = (number, position, tuple(names.values()) if columns else None, self._known_key(known))
+                    functions.append(self._local_function(belief, number, columns, names, reward, key))
         return functions
+
+    def _local_function(
+        self,
+        belief: ProductBelief,
+        number: int,
+        columns: list[int] | None,
+        names: Mapping[str, str],
+        reward: Factor,
+        key: tuple[object, ...],
+    ) -> Factor:
+        """A local function of actions; a noisy-or's is made once for each set of known values, then only reweighed."""
+        if key in self._templates:
+            template, hidden = self._templates[key]
+            return template.with_weights(self._predicted(belief, number, columns, {}, hidden).array.ravel())
+        local = self._local(belief, number, columns, names, reward)
+        function = self._of_actions(local, belief.known)
+        hidden = self._reweighable(belief.plan.stacks[number], reward)
+        if isinstance(function, ExpectedNoisyOr) and hidden:
+            if len(self._templates) >= _MOST_TEMPLATES:
+                self._templates.clear()
+            self._templates[key] = function, hidden
+        return function
+
+    def _known_key(self, known: Mapping[str, Value]) -> tuple[Value, ...]:
+        """What local functions depend on in the known values: those that some factor reads, and which are unread."""
+        return tuple(value if name in self._read else value is None for name, value in known.items())
+
+    def _reweighable(self, plan: StackPlan, reward: Factor) -> tuple[Variable, ...]:
+        """The next variables whose predicted mass is all that a local function takes from the belief, if that is so."""
+        used = _needed(reward, {s.name: plan.stack.pattern.likelihood[s.name] for s in plan.seen})
+        actions = any(variable in self.model.actions for variable in plan.prediction.context)
+        if actions or any(variable.is_next for variable in plan.prediction.context) or plan.stack.own - {s.name for s in plan.seen}:
+            return ()
+        return used[0].context if len(used) == 1 and isinstance(used[0], NoisyOr) else ()
 
     def _local(
         self, belief: ProductBelief, number: int, columns: list[int] | None, names: Mapping[str, str], reward: Factor

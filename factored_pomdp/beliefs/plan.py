@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -14,7 +14,7 @@ from factored_pomdp.beliefs.stacks import Stack, stacks_of
 from factored_pomdp.factors.sparse import unflatten
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.structure import Structure, structure_of
-from factored_pomdp.variables import Variable, count
+from factored_pomdp.variables import Value, Variable, count
 
 __all__ = ["Plan", "Seen", "StackPlan", "plan_of"]
 
@@ -59,10 +59,11 @@ class StackPlan:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Structure and stacks of a model."""
+    """Structure and stacks of a model, and the known values' moves that were worked out so far."""
 
     structure: Structure
     stacks: tuple[StackPlan, ...]
+    moves: dict[tuple[object, ...], dict[str, Value]] = field(default_factory=dict)
 
 
 _PLANS: WeakKeyDictionary[FactoredPOMDP, Plan] = WeakKeyDictionary()

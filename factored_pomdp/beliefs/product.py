@@ -25,6 +25,8 @@ Restart = Callable[[tuple[str, ...], "Float[np.ndarray, '...']", Mapping[str, Va
 
 Names = dict[str, str]
 
+_MOST_MOVES = 10_000
+
 
 @dataclass(frozen=True, eq=False)
 class ProductBelief:
@@ -75,6 +77,14 @@ class ProductBelief:
 
     def next_known(self, action: Mapping[str, Value]) -> dict[str, Value]:
         """Values of the known variables after an action, as planned; ``None`` where a parent is not known."""
+        key = (*self.known.items(), *action.items())
+        if key not in self.plan.moves:
+            if len(self.plan.moves) >= _MOST_MOVES:
+                self.plan.moves.clear()
+            self.plan.moves[key] = self._next_known(action)
+        return dict(self.plan.moves[key])
+
+    def _next_known(self, action: Mapping[str, Value]) -> dict[str, Value]:
         values: dict[str, Value] = {}
         given: dict[str, Value] = {**self.known, **action}
         functions = self.plan.structure.functions

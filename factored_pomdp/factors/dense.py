@@ -48,6 +48,8 @@ class DenseFactor(Factor):
         return SparseFactor(self.scope, np.argwhere(self.array), self.array[self.array != 0])
 
     def renamed(self, names: Mapping[str, str]) -> DenseFactor:
+        if not any(names.get(name, name) != name for name in self.names):
+            return self
         return DenseFactor([v.renamed(names.get(v.name, v.name)) for v in self.scope], self.array)
 
     def condition(self, assignment: Mapping[str, Value]) -> DenseFactor:

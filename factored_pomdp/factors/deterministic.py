@@ -48,6 +48,8 @@ class DeterministicFactor(Factor):
         return self.sparse().dense()
 
     def renamed(self, names: Mapping[str, str]) -> DeterministicFactor:
+        if not any(names.get(name, name) != name for name in self.names):
+            return self
         parents = [parent.renamed(names.get(parent.name, parent.name)) for parent in self.parents]
         return DeterministicFactor(parents, self.child.renamed(names.get(self.child.name, self.child.name)), self.indexes)
 

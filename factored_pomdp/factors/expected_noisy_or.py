@@ -16,6 +16,9 @@ from factored_pomdp.variables import Value, Variable
 
 __all__ = ["ExpectedNoisyOr", "WeightedCause"]
 
+_KEPT = 2_000_000
+"""Entries of the payoff table (joint cause values, contexts) up to which it is kept for the next weights."""
+
 
 @dataclass(frozen=True, eq=False)
 class WeightedCause:
@@ -50,6 +53,7 @@ class ExpectedNoisyOr(Factor):
         self, weights: np.ndarray[Any, Any], causes: Sequence[WeightedCause], off_payoff: np.ndarray[Any, Any]
     ) -> None:
         self.weights, self.causes, self.off_payoff = weights, tuple(causes), off_payoff
+        self._unweighted: dict[str, np.ndarray[Any, Any]] = {}
         self.scope = tuple(dict.fromkeys(cause.variable for cause in causes if cause.variable is not None))
 
     @classmethod
@@ -67,6 +71,12 @@ class ExpectedNoisyOr(Factor):
             for c in table.causes
         ]
         return cls(weights, causes, full[:, table.off_index])
+
+    def with_weights(self, weights: np.ndarray[Any, Any]) -> ExpectedNoisyOr:
+        """The same payoff under other weights; what was worked out without the weights is shared."""
+        other = ExpectedNoisyOr(weights, self.causes, self.off_payoff)
+        other._unweighted = self._unweighted
+        return other
 
     @property
     def storage(self) -> tuple[int, ...]:
@@ -87,6 +97,8 @@ class ExpectedNoisyOr(Factor):
         return ExpectedNoisyOr(self.weights, causes, self.off_payoff)
 
     def renamed(self, names: Mapping[str, str]) -> ExpectedNoisyOr:
+        if not any(names.get(name, name) != name for name in self.names):
+            return self
         causes = [
             WeightedCause(
                 None if c.variable is None else c.variable.renamed(names.get(c.variable.name, c.variable.name)),
@@ -146,13 +158,18 @@ class ExpectedNoisyOr(Factor):
         self.refuse_if_large(self.scope)
         if len(self.scope) != sum(cause.variable is not None for cause in self.causes):
             raise ValueError("two causes share a variable; condition on it first")
-        half = (len(self.causes) + 1) // 2
-        first, second = self.split(half)
+        shape = [variable.size for variable in self.scope]
+        if self.size * len(self.weights) <= _KEPT:
+            if "payoff" not in self._unweighted:
+                paid, silent = self.fold()
+                self._unweighted["payoff"] = paid + silent * self.off_payoff
+            return DenseFactor(self.scope, (self._unweighted["payoff"] @ self.weights).reshape(shape))
+        first, second = self.split((len(self.causes) + 1) // 2)
         paid_first, silent_first = first.fold()
         paid_second, silent_second = second.fold()
         rest = paid_second + silent_second * self.off_payoff
         table = (paid_first @ self.weights)[:, None] + (silent_first * self.weights) @ rest.T
-        return DenseFactor(self.scope, table.reshape([variable.size for variable in self.scope]))
+        return DenseFactor(self.scope, table.reshape(shape))
 
     def sparse(self) -> SparseFactor:
         return self.dense().sparse()

@@ -77,6 +77,8 @@ class NoisyOr(Factor):
         return sum(cause.activation.size + cause.emission.nnz for cause in self.causes)
 
     def renamed(self, names: Mapping[str, str]) -> NoisyOr:
+        if not any(names.get(name, name) != name for name in self.names):
+            return self
         def new(variable: Variable) -> Variable:
             return variable.renamed(names.get(variable.name, variable.name))
 

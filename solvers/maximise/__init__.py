@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from factored_pomdp.factors import Factor
 from factored_pomdp.variables import Value, Variable, count
 from solvers.base import Decision
@@ -36,27 +38,19 @@ def maximise(
     legal : sequence of Factor
         Over one action variable each: zero where its value may not be chosen.
     prefer : mapping, optional
-        Values to keep where that costs nothing; among other equals the first value is taken.
+        Values to keep where that costs nothing; among other equals the first action is taken.
     """
-    allowed, ordered = [], []
+    narrowed = list(functions)
+    choices = []
     for variable in actions:
-        values = [v for v in variable.values if all(f.value({variable.name: v}) for f in legal if variable in f.scope)]
-        if prefer is not None and prefer.get(variable.name) in values:
-            values.sort(key=lambda value: value != prefer[variable.name])
-        ordered.append(Variable(variable.name, values))
-        allowed.append([variable.index(value) for value in values])
-    narrowed = []
-    for function in functions:
-        for variable, new, indexes in zip(actions, ordered, allowed, strict=True):
-            if variable in function.scope and new != variable:
-                function = function.substituted(variable, new, _array(indexes))
-        narrowed.append(function)
-    if count(ordered) <= ENUMERATED:
-        return enumerate_all(narrowed, ordered)
-    return greedy_with_swaps(narrowed, ordered)
-
-
-def _array(indexes: list[int]) -> object:
-    import numpy as np
-
-    return np.array(indexes)
+        rules = [rule for rule in legal if variable in rule.scope]
+        if not rules:
+            choices.append(variable)
+            continue
+        values = [value for value in variable.values if all(rule.value({variable.name: value}) for rule in rules)]
+        choices.append(Variable(variable.name, values))
+        indexes = np.array([variable.index(value) for value in values])
+        narrowed = [f.substituted(variable, choices[-1], indexes) if variable in f.scope else f for f in narrowed]
+    if count(choices) <= ENUMERATED:
+        return enumerate_all(narrowed, choices, prefer or {})
+    return greedy_with_swaps(narrowed, choices, prefer or {})

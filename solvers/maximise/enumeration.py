@@ -6,12 +6,13 @@ multiplied out in two halves and joined by one matrix product.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from factored_pomdp.factors import Factor
-from factored_pomdp.variables import Variable
+from factored_pomdp.variables import Value, Variable
 from solvers.base import Decision
 
 __all__ = ["enumerate_all"]
@@ -19,13 +20,24 @@ __all__ = ["enumerate_all"]
 _TIE = 1e-12
 
 
-def enumerate_all(functions: Sequence[Factor], actions: Sequence[Variable]) -> Decision:
-    """The best of all joint actions; the first in order of the variables' values among equals."""
+def enumerate_all(
+    functions: Sequence[Factor], actions: Sequence[Variable], prefer: Mapping[str, Value] | None = None
+) -> Decision:
+    """The best of all joint actions; among equals the one that keeps most preferred values, then the first."""
     total = np.zeros([variable.size for variable in actions])
     for function in functions:
         total = total + function.array_over(actions)
     best = float(total.max())
-    first = int(np.argmax(total >= best - _TIE * max(1.0, abs(best))))
-    index = np.unravel_index(first, total.shape)
+    tied = np.flatnonzero(total >= best - _TIE * max(1.0, abs(best)))
+    chosen = int(tied[0]) if len(tied) == 1 or not prefer else _most_kept(tied, actions, prefer)
+    index = np.unravel_index(chosen, total.shape)
     action = {v.name: v.values[int(i)] for v, i in zip(actions, index, strict=True)}
     return Decision(action, float(total[index]), best, f"enumeration of {total.size:,} joint actions")
+
+
+def _most_kept(tied: np.ndarray[Any, Any], actions: Sequence[Variable], prefer: Mapping[str, Value]) -> int:
+    kept = np.zeros(len(tied))
+    for variable, index in zip(actions, np.unravel_index(tied, [v.size for v in actions]), strict=True):
+        if prefer.get(variable.name) in variable.values:
+            kept += index == variable.index(prefer[variable.name])
+    return int(tied[int(kept.argmax())])

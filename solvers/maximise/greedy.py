@@ -10,12 +10,12 @@ Cost: O(rounds · variables · values) evaluations of the functions that read th
 from __future__ import annotations
 
 import heapq
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from factored_pomdp.factors import ExpectedNoisyOr, Factor
-from factored_pomdp.variables import Variable
+from factored_pomdp.variables import Value, Variable
 from solvers.base import Decision
 
 __all__ = ["greedy_with_swaps"]
@@ -26,12 +26,14 @@ _ROUNDS = 20
 Choice = dict[str, int]
 
 
-def greedy_with_swaps(functions: Sequence[Factor], actions: Sequence[Variable]) -> Decision:
+def greedy_with_swaps(
+    functions: Sequence[Factor], actions: Sequence[Variable], prefer: Mapping[str, Value] | None = None
+) -> Decision:
     """A good joint action and an upper bound; the method says "not proved" unless they meet."""
     covers = [f for f in functions if isinstance(f, ExpectedNoisyOr) and len(f.scope) > 1]
     tables = [(f.scope, f.dense().array) for f in functions if not (isinstance(f, ExpectedNoisyOr) and len(f.scope) > 1)]
     objective = _Objective(covers, tables)
-    choice = _greedy(objective, actions)
+    choice = _greedy(objective, actions, prefer or {})
     value, rounds = _swapped(objective, actions, choice)
     bound = max(value, objective.bound(choice, value))
     action = {variable.name: variable.values[choice[variable.name]] for variable in actions}
@@ -95,24 +97,24 @@ def _cover_bound(cover: ExpectedNoisyOr, choice: Choice) -> float:
     return min(everywhere, reachable, covered + gains)
 
 
-def _greedy(objective: _Objective, actions: Sequence[Variable]) -> Choice:
+def _greedy(objective: _Objective, actions: Sequence[Variable], prefer: Mapping[str, Value]) -> Choice:
     """Take the (variable, value) with the largest gain; gains that shrank are looked at again only when they lead."""
     choice: Choice = {}
     current = objective.value(choice)
     heap = [
-        (-(objective.value({variable.name: index}) - current), order, index, 0)
+        (-(objective.value({variable.name: index}) - current), value != prefer.get(variable.name), order, index, 0)
         for order, variable in enumerate(actions)
-        for index in range(variable.size)
+        for index, value in enumerate(variable.values)
     ]
     heapq.heapify(heap)
     while heap and len(choice) < len(actions):
-        _, order, index, seen_at = heapq.heappop(heap)
+        _, fresh, order, index, seen_at = heapq.heappop(heap)
         name = actions[order].name
         if name in choice:
             continue
         if seen_at != len(choice):
             gain = objective.value({**choice, name: index}) - current
-            heapq.heappush(heap, (-gain, order, index, len(choice)))
+            heapq.heappush(heap, (-gain, fresh, order, index, len(choice)))
             continue
         choice[name] = index
         current = objective.value(choice)

@@ -29,8 +29,16 @@ def build_grid(section: Map, folder: Path) -> tuple[Grid | None, tuple[bytes, ..
         ros_map = read_ros_map(folder / str(section.ros))
         grid = ros_map.grid(section.cell_m, section.unknown)
     except RosMapError as error:
-        return None, (), tuple(Fault(f"map.ros ({fault.where})", fault.found, fault.expected) for fault in error.faults)
+        return None, (), tuple(_in_site(error.source, fault) for fault in error.faults)
     return _if_usable(grid, "map.ros", ros_map.contents)
+
+
+def _in_site(source: str, fault: Fault) -> Fault:
+    """A fault of a map_server file as a fault of the site file that names it."""
+    if fault.where == "cell_m":
+        return Fault("map.cell_m", fault.found, fault.expected)
+    place = f"{source}, {fault.where}" if fault.where else source
+    return Fault("map.ros", f"in {place}: {fault.found}", fault.expected)
 
 
 def _if_usable(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -36,14 +37,17 @@ def read_ros_picture(
 
     content = _content(path)
     try:
-        with Image.open(io.BytesIO(content), formats=_FORMATS) as picture:
-            if picture.width * picture.height > _MOST_PIXELS:
-                found = f"{picture.width} x {picture.height} pixels"
-                raise _wrong(path, found, "at most 50 million pixels")
-            return *_channels(picture, alpha_counts), content
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", Image.DecompressionBombWarning)
+            with Image.open(io.BytesIO(content), formats=_FORMATS) as picture:
+                if picture.width * picture.height > _MOST_PIXELS:
+                    raise Image.DecompressionBombError
+                return *_channels(picture, alpha_counts), content
+    except (Image.DecompressionBombError, Image.DecompressionBombWarning):
+        raise _wrong(path, "a larger picture", "at most 50 million pixels") from None
     except UnidentifiedImageError:
         raise _wrong(path, "a damaged file, or none of these formats", "a PGM (P2 or P5), PNG or BMP picture") from None
-    except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
+    except (OSError, ValueError, SyntaxError, EOFError) as error:
         raise _wrong(path, f"a damaged picture ({error})", "a whole PGM, PNG or BMP picture") from None
 
 

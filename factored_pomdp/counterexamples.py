@@ -158,11 +158,17 @@ class _Search:
                 values = list(dict.fromkeys(pairs.get(name, [])))[:2] if trial < _TRIALS // 3 else []
                 while len(values) < min(2, variable.size):
                     near = others.get(name, others.get(f"{name}.next")) if trial < _TRIALS // 3 else None
-                    fresh = near if near is not None and near not in values else variable.values[int(self.rng.integers(variable.size))]
+                    fresh = (
+                        near
+                        if near is not None and near not in values
+                        else variable.values[int(self.rng.integers(variable.size))]
+                    )
                     if fresh not in values:
                         values.append(fresh)
                 share = 0.5 if trial % 2 == 0 else float(self.rng.uniform(0.2, 0.8))
-                belief[name] = dict(zip(values, (share, 1 - share), strict=False)) if len(values) > 1 else {values[0]: 1.0}
+                belief[name] = (
+                    dict(zip(values, (share, 1 - share), strict=False)) if len(values) > 1 else {values[0]: 1.0}
+                )
             yield belief, others if trial < _TRIALS // 3 else {}
 
     def _context(self, others: Mapping[str, Value]) -> dict[str, Any]:
@@ -194,11 +200,17 @@ class _Search:
             table = table.product(SparseFactor([variable], rows, list(masses.values())))
         left = {name: factor.condition(given) for name, factor in self.block.transition.items()}
         while left:
-            name = next(n for n, f in left.items() if not any(v.is_next and v.name[:-5] in left for v in f.scope if v.name != f"{n}.next"))
+            name = next(
+                n
+                for n, f in left.items()
+                if not any(v.is_next and v.name[:-5] in left for v in f.scope if v.name != f"{n}.next")
+            )
             table = table.product(left.pop(name))
         return table
 
-    def _observation(self, predicted: Factor, context: Mapping[str, Any], others: Mapping[str, Value]) -> dict[str, Value]:
+    def _observation(
+        self, predicted: Factor, context: Mapping[str, Any], others: Mapping[str, Value]
+    ) -> dict[str, Value]:
         """Draw a value for everything that is seen of the block; the witness' own where it has one."""
         given, observed = self._given(context), {}
         seen = {v.name for v in self.model.observations}

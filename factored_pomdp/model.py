@@ -134,7 +134,9 @@ class FactoredPOMDP:
                 return False
         return True
 
-    def _assignment(self, given: Any, variables: tuple[Variable, ...], what: str, *, complete: bool) -> dict[str, Value]:
+    def _assignment(
+        self, given: Any, variables: tuple[Variable, ...], what: str, *, complete: bool
+    ) -> dict[str, Value]:
         if not isinstance(given, Mapping):
             if len(variables) != 1:
                 raise ValueError(f"{what} {given!r}: expected a mapping of {', '.join(v.name for v in variables)}")
@@ -159,7 +161,9 @@ class FactoredPOMDP:
                     faults.append(Fault(kind, repr(variable), "a Variable"))
                     continue
                 if variable.name in names:
-                    faults.append(Fault(f"variable {variable.name}", f"a {names[variable.name]} and a {kind}", "a name used once"))
+                    faults.append(
+                        Fault(f"variable {variable.name}", f"a {names[variable.name]} and a {kind}", "a name used once")
+                    )
                 if variable.is_next:
                     faults.append(Fault(f"variable {variable.name}", "the ending '.next'", "a name without it"))
                 names[variable.name] = kind
@@ -171,7 +175,9 @@ class FactoredPOMDP:
         for what, listed in (("known", self.declared_known), *((f"group {g}", g) for g in self.groups)):
             for name in listed:
                 if name not in states:
-                    faults.append(Fault(what, f"the unknown state {name!r}", f"a state variable{did_you_mean(name, states)}"))
+                    faults.append(
+                        Fault(what, f"the unknown state {name!r}", f"a state variable{did_you_mean(name, states)}")
+                    )
         return faults
 
     def __repr__(self) -> str:
@@ -234,7 +240,9 @@ class _Builder:
         factors = {}
         for name, specification in given.items():
             if name not in actions:
-                self.faults.append(Fault(f"legal[{name!r}]", "an unknown action", f"an action{did_you_mean(name, actions)}"))
+                self.faults.append(
+                    Fault(f"legal[{name!r}]", "an unknown action", f"an action{did_you_mean(name, actions)}")
+                )
                 continue
             factor = resolve(specification, None, states | {name: actions[name]}, f"legal {name}", self.faults)
             if factor is None:

@@ -92,7 +92,9 @@ def resolve(
 def _checked(factor: Factor, child: Variable | None, variables: Mapping[str, Variable]) -> Factor:
     for variable in factor.scope:
         if variable.name not in variables:
-            raise _NotResolvable(f"the unknown variable {variable.name!r}", f"one of the model's{_near(variable.name, variables)}")
+            raise _NotResolvable(
+                f"the unknown variable {variable.name!r}", f"one of the model's{_near(variable.name, variables)}"
+            )
         if variables[variable.name] != variable:
             raise _NotResolvable(f"another {variable.name!r} with {variable.size} values", "the model's own variable")
     if child is not None and child not in factor.scope:
@@ -138,7 +140,9 @@ def _fill(
     last = len(index) == len(scope) - 1
     if absent and not (last and filled_up):
         at = ", ".join(f"{v.name}={v.values[i]}" for v, i in zip(scope, index, strict=False))
-        raise _NotResolvable(f"no entry for {variable.name}={absent[0]!r}{' at ' + at if at else ''}", "every value listed")
+        raise _NotResolvable(
+            f"no entry for {variable.name}={absent[0]!r}{' at ' + at if at else ''}", "every value listed"
+        )
 
 
 def _parameters(function: Callable[..., Any], variables: Mapping[str, Variable]) -> list[Variable]:
@@ -147,7 +151,9 @@ def _parameters(function: Callable[..., Any], variables: Mapping[str, Variable])
     scope = []
     for name in inspect.signature(function).parameters:
         if name not in by_parameter:
-            raise _NotResolvable(f"a function of the unknown {name!r}", f"parameters named as variables{_near(name, by_parameter)}")
+            raise _NotResolvable(
+                f"a function of the unknown {name!r}", f"parameters named as variables{_near(name, by_parameter)}"
+            )
         scope.append(by_parameter[name])
     return scope
 
@@ -163,7 +169,9 @@ def _from_function(parents: list[Variable], function: Callable[..., Any], child:
             results.append(function(*values))
         except Exception as problem:
             at = ", ".join(f"{parent.name}={value!r}" for parent, value in zip(parents, values, strict=True))
-            raise _NotResolvable(f"{type(problem).__name__} ({problem}) at {at or 'no arguments'}", "a result") from problem
+            raise _NotResolvable(
+                f"{type(problem).__name__} ({problem}) at {at or 'no arguments'}", "a result"
+            ) from problem
     if child is None:
         return DenseFactor(scope, np.array([float(result) for result in results]).reshape(shape))
     if not any(isinstance(result, Mapping) for result in results):

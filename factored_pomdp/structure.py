@@ -308,7 +308,9 @@ class _Reducer:
             idle = {variable.name: variable.values[0] for variable in factor.scope if variable.name not in kept}
             self._done[key] = factor, factor.condition(idle) if idle else factor
         first, short = self._done[key]
-        return short if first.names == factor.names else short.renamed(dict(zip(first.names, factor.names, strict=True)))
+        return (
+            short if first.names == factor.names else short.renamed(dict(zip(first.names, factor.names, strict=True)))
+        )
 
 
 def _is_certain(factor: Factor, child: str) -> bool:

@@ -19,9 +19,7 @@ TOLERANCE = 1e-5
 _EXACT = 1e-9
 
 
-def checked_distribution(
-    factor: Factor, child: Variable, where: str, faults: list[Fault], notes: list[str]
-) -> Factor:
+def checked_distribution(factor: Factor, child: Variable, where: str, faults: list[Fault], notes: list[str]) -> Factor:
     """The factor, columns normalised exactly; faults and notes are added to the lists."""
     if isinstance(factor, DeterministicFactor) and factor.child == child:
         _check_indexes(factor, where, faults)
@@ -82,9 +80,7 @@ def _columns(table: SparseFactor | DenseFactor, parents: tuple[Variable, ...]) -
     return np.broadcast_to(numbered, table.array.shape).ravel()
 
 
-def _normalised(
-    table: SparseFactor | DenseFactor, parents: tuple[Variable, ...], sums: np.ndarray[Any, Any]
-) -> Factor:
+def _normalised(table: SparseFactor | DenseFactor, parents: tuple[Variable, ...], sums: np.ndarray[Any, Any]) -> Factor:
     if isinstance(table, SparseFactor):
         return SparseFactor(table.scope, table.coordinates, table.numbers / sums[table.flat(parents)])
     axis = next(axis for axis, variable in enumerate(table.scope) if variable not in parents)
@@ -96,7 +92,9 @@ def _check_indexes(factor: DeterministicFactor, where: str, faults: list[Fault])
     for position in np.flatnonzero((flat < 0) | (flat >= factor.child.size)):
         at = unflatten(np.array([position]), factor.parents)[0]
         faults.append(
-            Fault(f"{where}{_at(factor.parents, at)}", f"value number {flat[position]}", f"0 to {factor.child.size - 1}")
+            Fault(
+                f"{where}{_at(factor.parents, at)}", f"value number {flat[position]}", f"0 to {factor.child.size - 1}"
+            )
         )
 
 
@@ -107,17 +105,25 @@ def _check_noisy_or(factor: NoisyOr, where: str, faults: list[Fault]) -> None:
             at = _at(factor.context, unflatten(np.array([context]), factor.context)[0])
             label = cause.variable.values[int(value)] if cause.variable is not None else "always"
             faults.append(
-                Fault(f"{where}, cause {name}={label}{at}", f"{cause.activation[value, context]:g}", "a probability in [0, 1]")
+                Fault(
+                    f"{where}, cause {name}={label}{at}",
+                    f"{cause.activation[value, context]:g}",
+                    "a probability in [0, 1]",
+                )
             )
         needed = cause.activation.max(axis=0) > 0
         sums = np.asarray(cause.emission.sum(axis=1)).ravel()
         for context in np.flatnonzero(needed & ~(np.abs(sums - 1) <= TOLERANCE)):
             at = _at(factor.context, unflatten(np.array([context]), factor.context)[0])
-            faults.append(Fault(f"{where}, emission of {name}{at}", f"probabilities that sum to {sums[context]:.9g}", "sum 1"))
+            faults.append(
+                Fault(f"{where}, emission of {name}{at}", f"probabilities that sum to {sums[context]:.9g}", "sum 1")
+            )
         if cause.emission.nnz and (cause.emission.data < 0).any():
             faults.append(Fault(f"{where}, emission of {name}", "a negative number", "probabilities"))
         if cause.emission[:, [factor.off_index]].sum() > 0:
-            faults.append(Fault(f"{where}, emission of {name}", f"mass on {factor.off!r}", "none: that value means silence"))
+            faults.append(
+                Fault(f"{where}, emission of {name}", f"mass on {factor.off!r}", "none: that value means silence")
+            )
 
 
 def _entry(table: SparseFactor | DenseFactor, position: int) -> np.ndarray[Any, Any]:

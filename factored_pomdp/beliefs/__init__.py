@@ -31,7 +31,9 @@ def initial_belief(model: FactoredPOMDP, project: bool = False) -> ProductBelief
             scope = [model.variable(names[variable.name]) for variable in stack.variables]
             columns.append(_start(model, [variable.name for variable in scope]).ravel())
         arrays.append(np.ascontiguousarray(np.stack(columns, axis=1)))
-    belief = ProductBelief(plan, known, tuple(arrays), tuple(stack.stack.names for stack in plan.stacks), project=project)
+    belief = ProductBelief(
+        plan, known, tuple(arrays), tuple(stack.stack.names for stack in plan.stacks), project=project
+    )
     return belief._projected() if project else belief
 
 

@@ -49,7 +49,11 @@ class JointBelief:
         table = self.table
         left = {name: factor.condition(chosen) for name, factor in self.model.transition.items()}
         while left:
-            name = next(n for n, f in left.items() if not any(v.is_next and v.name[:-5] in left for v in f.scope if v.name != f"{n}.next"))
+            name = next(
+                n
+                for n, f in left.items()
+                if not any(v.is_next and v.name[:-5] in left for v in f.scope if v.name != f"{n}.next")
+            )
             table = table.product(_laid_out(left.pop(name), self.sparse))
             needed = {variable.name for factor in left.values() for variable in factor.scope}
             done = [v for v in table.scope if not v.is_next and v.name not in needed]

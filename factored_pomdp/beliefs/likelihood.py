@@ -78,6 +78,10 @@ class _NoisyOr:
 
 def likelihood_of(factor: Factor, child: Variable, hidden: tuple[Variable, ...]) -> Likelihood:
     """Columns of a likelihood over those of ``hidden`` that the factor reads, in the factor's own order."""
-    if isinstance(factor, NoisyOr) and set(factor.context) <= set(hidden) and not set(factor.cause_variables) & set(hidden):
+    if (
+        isinstance(factor, NoisyOr)
+        and set(factor.context) <= set(hidden)
+        and not set(factor.cause_variables) & set(hidden)
+    ):
         return _NoisyOr(factor, child, factor.context)
     return _Table(factor, child, tuple(variable for variable in factor.scope if variable in hidden))

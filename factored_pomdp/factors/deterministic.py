@@ -51,7 +51,9 @@ class DeterministicFactor(Factor):
         if not any(names.get(name, name) != name for name in self.names):
             return self
         parents = [parent.renamed(names.get(parent.name, parent.name)) for parent in self.parents]
-        return DeterministicFactor(parents, self.child.renamed(names.get(self.child.name, self.child.name)), self.indexes)
+        return DeterministicFactor(
+            parents, self.child.renamed(names.get(self.child.name, self.child.name)), self.indexes
+        )
 
     def condition(self, assignment: Mapping[str, Value]) -> Factor:
         if self.child.name in assignment:

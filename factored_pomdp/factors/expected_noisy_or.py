@@ -123,7 +123,9 @@ class ExpectedNoisyOr(Factor):
         paid = np.zeros((1, len(self.weights)))
         silent = np.ones((1, len(self.weights)))
         for cause in self.causes:
-            paid = (paid[:, None] + silent[:, None] * cause.activation[None] * cause.payoff).reshape(-1, len(self.weights))
+            paid = (paid[:, None] + silent[:, None] * cause.activation[None] * cause.payoff).reshape(
+                -1, len(self.weights)
+            )
             silent = (silent[:, None] * (1 - cause.activation)[None]).reshape(-1, len(self.weights))
         return paid, silent
 

@@ -79,6 +79,7 @@ class NoisyOr(Factor):
     def renamed(self, names: Mapping[str, str]) -> NoisyOr:
         if not any(names.get(name, name) != name for name in self.names):
             return self
+
         def new(variable: Variable) -> Variable:
             return variable.renamed(names.get(variable.name, variable.name))
 
@@ -150,9 +151,7 @@ class NoisyOr(Factor):
             values = {v.name: v.values[int(index)] for v, index in zip(self.cause_variables, key, strict=True)}
             table = self.at(values).likelihoods().tocoo()
             fixed = np.broadcast_to(key, (len(table.data), len(key)))
-            coordinates.append(
-                np.concatenate([unflatten(table.row, self.context), fixed, table.col[:, None]], axis=1)
-            )
+            coordinates.append(np.concatenate([unflatten(table.row, self.context), fixed, table.col[:, None]], axis=1))
             numbers.append(table.data)
         flat = np.concatenate(numbers)
         kept = flat != 0

@@ -51,9 +51,7 @@ class SparseFactor(Factor):
     def renamed(self, names: Mapping[str, str]) -> SparseFactor:
         if not any(names.get(name, name) != name for name in self.names):
             return self
-        return SparseFactor(
-            [v.renamed(names.get(v.name, v.name)) for v in self.scope], self.coordinates, self.numbers
-        )
+        return SparseFactor([v.renamed(names.get(v.name, v.name)) for v in self.scope], self.coordinates, self.numbers)
 
     def condition(self, assignment: Mapping[str, Value]) -> SparseFactor:
         kept = np.ones(len(self.numbers), dtype=bool)

@@ -31,7 +31,9 @@ def greedy_with_swaps(
 ) -> Decision:
     """A good joint action and an upper bound; the method says "not proved" unless they meet."""
     covers = [f for f in functions if isinstance(f, ExpectedNoisyOr) and len(f.scope) > 1]
-    tables = [(f.scope, f.dense().array) for f in functions if not (isinstance(f, ExpectedNoisyOr) and len(f.scope) > 1)]
+    tables = [
+        (f.scope, f.dense().array) for f in functions if not (isinstance(f, ExpectedNoisyOr) and len(f.scope) > 1)
+    ]
     objective = _Objective(covers, tables)
     choice = _greedy(objective, actions, prefer or {})
     value, rounds = _swapped(objective, actions, choice)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from factored_pomdp.factors import DenseFactor, DeterministicFactor, Factor, NoisyOr, SparseFactor
+from factored_pomdp.factors import Cause, DeterministicFactor, Factor, NoisyOr, SparseFactor
 from factored_pomdp.factors.sparse import unflatten
 from factored_pomdp.variables import Value, Variable
 
@@ -35,11 +35,11 @@ class Influences:
     """`influence`, computed once for factors that share their tables."""
 
     def __init__(self) -> None:
-        self._found: dict[tuple[int, ...], tuple[Witness | None, Factor]] = {}
+        self._found: dict[tuple[object, ...], tuple[Witness | None, Factor]] = {}
 
     def of(self, factor: Factor, variable: Variable) -> Witness | None:
         """As `influence`."""
-        key = (*factor.storage, factor.scope.index(variable), *(v.size for v in factor.scope))
+        key = (*factor.storage, factor.scope.index(variable), *(id(v.values) for v in factor.scope))
         if key not in self._found:
             self._found[key] = influence(factor, variable), factor
         witness, first = self._found[key]
@@ -91,7 +91,7 @@ def _in_sparse(factor: SparseFactor, variable: Variable) -> Witness | None:
     np.maximum.at(largest, positions, factor.numbers)
     np.minimum.at(smallest, positions, factor.numbers)
     complete = np.bincount(positions, minlength=len(keys)) == variable.size
-    spread = np.maximum(largest, 0) - np.where(complete, smallest, np.minimum(smallest, 0))
+    spread = np.where(complete, largest - smallest, np.maximum(largest, 0) - np.minimum(smallest, 0))
     group = int(spread.argmax())
     if spread[group] <= _SAME:
         return None
@@ -108,10 +108,7 @@ def _in_noisy_or(factor: NoisyOr, variable: Variable) -> Witness | None:
         return Witness((factor.off, next(value for value in variable.values if value != factor.off)), {})
     for number, cause in enumerate(factor.causes):
         if cause.variable == variable:
-            masks = np.ones(cause.activation.shape[1])
-            for other in factor.causes[:number] + factor.causes[number + 1 :]:
-                masks = masks * (1 - other.activation.min(axis=0))
-            spread = (cause.activation.max(axis=0) - cause.activation.min(axis=0)) * masks
+            spread = (cause.activation.max(axis=0) - cause.activation.min(axis=0)) * _decides(factor, number)
             context = int(spread.argmax())
             if spread[context] > _SAME:
                 line = cause.activation[:, context]
@@ -125,6 +122,25 @@ def _in_noisy_or(factor: NoisyOr, variable: Variable) -> Witness | None:
                     return _with_cause(witness, cause.variable, row)
         return _through_emission(factor, variable)
     return None
+
+
+def _decides(factor: NoisyOr, number: int) -> np.ndarray[Any, Any]:
+    """How far, for each context, it can matter to the child whether a cause acts."""
+    cause, later = factor.causes[number], factor.causes[number + 1 :]
+    heard, silence = (_can_be_silent(causes, cause.activation.shape[1]) for causes in (factor.causes[:number], later))
+    shows_else = np.zeros(len(silence))
+    for other in later:
+        if other.emission is not cause.emission:
+            apart = np.abs(cause.emission - other.emission).max(axis=1).toarray().ravel()
+            shows_else = np.maximum(shows_else, apart * other.activation.max(axis=0))
+    return np.asarray(heard * np.maximum(silence, shows_else))
+
+
+def _can_be_silent(causes: tuple[Cause, ...], contexts: int) -> np.ndarray[Any, Any]:
+    silent = np.ones(contexts)
+    for cause in causes:
+        silent = silent * (1 - cause.activation.min(axis=0))
+    return silent
 
 
 def _through_emission(factor: NoisyOr, variable: Variable) -> Witness | None:
@@ -142,10 +158,10 @@ def _through_emission(factor: NoisyOr, variable: Variable) -> Witness | None:
     return None
 
 
-def _with_cause(witness: Witness, cause: Variable | None, row: int) -> Witness:
-    if cause is None:
+def _with_cause(witness: Witness, parent: Variable | None, row: int) -> Witness:
+    if parent is None:
         return witness
-    return Witness(witness.values, {**witness.others, cause.name: cause.values[row]})
+    return Witness(witness.values, {**witness.others, parent.name: parent.values[row]})
 
 
 def _values(factor: NoisyOr, context: int) -> list[Value]:

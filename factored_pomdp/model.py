@@ -214,7 +214,7 @@ class _Builder:
 
     def _checked(self, factor: Factor, child: Variable, where: str) -> Factor:
         """Check a distribution once for all the variables whose tables it is."""
-        key = (*factor.storage, factor.scope.index(child), *(variable.size for variable in factor.scope))
+        key = (*factor.storage, factor.scope.index(child), *(id(variable.values) for variable in factor.scope))
         if key not in self._tables:
             faults = len(self.faults)
             checked = checked_distribution(factor, child, where, self.faults, self.notes)

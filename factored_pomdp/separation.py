@@ -49,7 +49,7 @@ def additive_parts(factor: Factor, groups: Sequence[Group]) -> list[tuple[list[i
     components = sorted({tuple(sorted(component)) for component in tied.values()})
     if len(components) == 1:
         return whole
-    parts = []
+    parts: list[tuple[list[int], Factor]] = []
     for position, component in enumerate(components):
         index: list[Any] = [slice(None)] + [slice(None) if n in component else slice(0, 1) for n in range(len(groups))]
         part = array[tuple(index)]
@@ -68,7 +68,7 @@ def multiplicative_parts(factor: Factor, groups: Sequence[Group]) -> list[tuple[
 
     Returns
     -------
-    as `additive_parts`; each part is correct up to a constant for each assignment of the context.
+    as `additive_parts`; the product of the parts is the factor.
     """
     whole = [(list(range(len(groups))), factor)]
     if not 2 <= len(groups) <= _MOST_GROUPS or factor.size > _MOST_ENTRIES:
@@ -83,13 +83,15 @@ def multiplicative_parts(factor: Factor, groups: Sequence[Group]) -> list[tuple[
             labels = [2 * label + (number in side) for number, label in enumerate(labels)]
     if len(set(labels)) == 1:
         return whole
-    parts = []
+    parts: list[tuple[list[int], Factor]] = []
+    total = array.sum(axis=tuple(range(1, array.ndim)), keepdims=True)
+    scale = np.divide(1.0, total, out=np.zeros_like(total), where=total > 0)
     for label in sorted(set(labels)):
         component = [number for number, other in enumerate(labels) if other == label]
         gone = tuple(number + 1 for number in range(len(groups)) if number not in component)
         scope = [*context, *itertools.chain(*(groups[number] for number in component))]
-        sums = array.sum(axis=gone).reshape([variable.size for variable in scope])
-        parts.append((component, DenseFactor(scope, sums)))
+        sums = array.sum(axis=gone, keepdims=True) * (scale if parts else 1.0)
+        parts.append((component, DenseFactor(scope, sums.reshape([variable.size for variable in scope]))))
     return parts
 
 
@@ -102,4 +104,4 @@ def _splits(array: np.ndarray[Any, Any], side: list[int]) -> bool:
     outside = tuple(number for number in range(1, array.ndim) if number not in inside)
     total = array.sum(axis=(*inside, *outside), keepdims=True)
     product = array.sum(axis=inside, keepdims=True) * array.sum(axis=outside, keepdims=True)
-    return bool(np.abs(array * total - product).max() <= _SAME * max(1.0, float(total.max())) ** 2)
+    return bool((np.abs(array * total - product) <= _SAME * total**2).all())

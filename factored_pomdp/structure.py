@@ -302,7 +302,7 @@ class _Reducer:
 
     def reduced(self, factor: Factor, child: str | None) -> Factor:
         position = factor.names.index(child) if child is not None else None
-        key = (*factor.storage, position, *(variable.size for variable in factor.scope))
+        key = (*factor.storage, position, *(id(variable.values) for variable in factor.scope))
         if key not in self._done:
             kept = {variable.name for variable in self._influences.scope(factor)} | {child}
             idle = {variable.name: variable.values[0] for variable in factor.scope if variable.name not in kept}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Hashable, Iterable
 from functools import cached_property
 
@@ -23,7 +24,12 @@ class Variable:
     name : str
         Unique within a model. The ending ``.next`` belongs to the next slice.
     values : iterable of hashable
-        At least one, no two equal.
+        At least one, no two equal, and not ``None``, which stands for "not read" and "not looked at".
+
+    Raises
+    ------
+    ValueError
+        Naming the value that is wrong.
 
     Examples
     --------
@@ -34,7 +40,7 @@ class Variable:
     1
     """
 
-    __slots__ = ("__dict__", "name", "values")
+    __slots__ = ("__dict__", "_indexes", "name", "values")
 
     def __init__(self, name: str, values: Iterable[Value]) -> None:
         self.name = name
@@ -43,19 +49,20 @@ class Variable:
             raise ValueError("a variable needs a name")
         if not self.values:
             raise ValueError(f"variable {name!r} has no values; it needs at least one")
+        if any(value is None for value in self.values):
+            raise ValueError(f"variable {name!r} has the value None, which means 'not read'; give that value a name")
+        try:
+            self._indexes = {value: index for index, value in enumerate(self.values)}
+        except TypeError as problem:
+            raise ValueError(f"variable {name!r}: {problem}; values must be hashable, such as tuples") from None
+        if len(self._indexes) != len(self.values):
+            twice = next(value for value, times in Counter(self.values).items() if times > 1)
+            raise ValueError(f"variable {name!r} has the value {twice!r} more than once")
 
     @property
     def size(self) -> int:
         """How many values there are."""
         return len(self.values)
-
-    @cached_property
-    def _indexes(self) -> dict[Value, int]:
-        indexes = {value: index for index, value in enumerate(self.values)}
-        if len(indexes) != len(self.values):
-            twice = next(value for value in self.values if self.values.count(value) > 1)
-            raise ValueError(f"variable {self.name!r} has the value {twice!r} more than once")
-        return indexes
 
     def index(self, value: Value) -> int:
         """Position of a value; ``ValueError`` names the values that there are."""
@@ -74,20 +81,17 @@ class Variable:
         """The same variable one step later."""
         if self.is_next:
             raise ValueError(f"{self.name!r} is of the next slice already")
-        twin = Variable(self.name + _NEXT, self.values)
-        twin.__dict__["_indexes"] = self._indexes
-        return twin
+        return self.renamed(self.name + _NEXT)
 
     @property
     def now(self) -> Variable:
         """The same variable in the current slice."""
-        return Variable(self.name.removesuffix(_NEXT), self.values) if self.is_next else self
+        return self.renamed(self.name.removesuffix(_NEXT)) if self.is_next else self
 
     def renamed(self, name: str) -> Variable:
         """The same values under another name."""
-        twin = Variable(name, self.values)
-        if "_indexes" in self.__dict__:
-            twin.__dict__["_indexes"] = self._indexes
+        twin = object.__new__(Variable)
+        twin.name, twin.values, twin._indexes = name, self.values, self._indexes
         return twin
 
     def __eq__(self, other: object) -> bool:

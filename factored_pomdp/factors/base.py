@@ -54,7 +54,7 @@ class Factor(ABC):
     @property
     @abstractmethod
     def storage(self) -> tuple[int, ...]:
-        """Addresses of the arrays that hold the numbers: equal for factors that are renamings of one another."""
+        """Where the numbers lie, and how: equal for factors that are renamings of one another."""
 
     def product(self, other: Factor) -> Factor:
         """Pointwise product over the union of the scopes."""
@@ -120,9 +120,9 @@ class Factor(ABC):
         return f"{type(self).__name__}({', '.join(self.names)}; {self.stored} stored)"
 
 
-def address(array: np.ndarray[Any, Any]) -> int:
-    """Where an array's numbers lie in memory."""
-    return int(array.__array_interface__["data"][0])
+def address(array: np.ndarray[Any, Any]) -> tuple[int, ...]:
+    """Where an array's numbers lie in memory, and the steps between them (a transpose begins at the same place)."""
+    return (int(array.__array_interface__["data"][0]), *array.strides)
 
 
 def union(*scopes: Iterable[Variable]) -> tuple[Variable, ...]:

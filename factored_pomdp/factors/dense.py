@@ -33,7 +33,7 @@ class DenseFactor(Factor):
 
     @property
     def storage(self) -> tuple[int, ...]:
-        return (address(self.array),)
+        return address(self.array)
 
     @property
     def stored(self) -> int:

@@ -33,7 +33,7 @@ class DeterministicFactor(Factor):
 
     @property
     def storage(self) -> tuple[int, ...]:
-        return (address(self.indexes),)
+        return address(self.indexes)
 
     @property
     def stored(self) -> int:
@@ -57,7 +57,7 @@ class DeterministicFactor(Factor):
 
     def condition(self, assignment: Mapping[str, Value]) -> Factor:
         if self.child.name in assignment:
-            return self.dense().condition(assignment)
+            return self.sparse().condition(assignment)
         index = tuple(v.index(assignment[v.name]) if v.name in assignment else slice(None) for v in self.parents)
         parents = [parent for parent in self.parents if parent.name not in assignment]
         return DeterministicFactor(parents, self.child, self.indexes[index])

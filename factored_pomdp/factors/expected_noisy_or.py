@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -80,7 +81,8 @@ class ExpectedNoisyOr(Factor):
 
     @property
     def storage(self) -> tuple[int, ...]:
-        return (address(self.weights), *(address(cause.activation) for cause in self.causes))
+        causes = [array for cause in self.causes for array in (cause.activation, cause.payoff)]
+        return tuple(n for array in (self.weights, self.off_payoff, *causes) for n in address(array))
 
     @property
     def stored(self) -> int:
@@ -158,8 +160,10 @@ class ExpectedNoisyOr(Factor):
 
     def dense(self) -> DenseFactor:
         self.refuse_if_large(self.scope)
-        if len(self.scope) != sum(cause.variable is not None for cause in self.causes):
-            raise ValueError("two causes share a variable; condition on it first")
+        shared = self._shared()
+        if shared is not None:
+            tables = [self.condition({shared.name: value}).array_over(self.scope) for value in shared.values]
+            return DenseFactor(self.scope, np.concatenate(tables, axis=self.scope.index(shared)))
         shape = [variable.size for variable in self.scope]
         if self.size * len(self.weights) <= _KEPT:
             if "payoff" not in self._unweighted:
@@ -172,6 +176,11 @@ class ExpectedNoisyOr(Factor):
         rest = paid_second + silent_second * self.off_payoff
         table = (paid_first @ self.weights)[:, None] + (silent_first * self.weights) @ rest.T
         return DenseFactor(self.scope, table.reshape(shape))
+
+    def _shared(self) -> Variable | None:
+        """A variable that stands behind several causes (two cameras that one action moves)."""
+        times = Counter(cause.variable for cause in self.causes if cause.variable is not None)
+        return next((variable for variable in times if times[variable] > 1), None)
 
     def sparse(self) -> SparseFactor:
         return self.dense().sparse()

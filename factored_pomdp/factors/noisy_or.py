@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -58,6 +59,9 @@ class NoisyOr(Factor):
         self.causes = tuple(causes)
         self.cause_variables = tuple(cause.variable for cause in self.causes if cause.variable is not None)
         self.scope = (*self.context, *self.cause_variables, child)
+        twice = [name for name, times in Counter(self.names).items() if times > 1]
+        if twice:
+            raise ValueError(f"noisy-or of {child.name!r}: {', '.join(twice)} more than once among context and causes")
         contexts = count(self.context)
         for cause in self.causes:
             values = cause.variable.size if cause.variable is not None else 1
@@ -69,8 +73,8 @@ class NoisyOr(Factor):
 
     @property
     def storage(self) -> tuple[int, ...]:
-        arrays = [array for cause in self.causes for array in (cause.activation, cause.emission.data)]
-        return tuple(address(array) for array in arrays)
+        tables = [(cause.activation, *_arrays(cause.emission)) for cause in self.causes]
+        return (self.off_index, len(self.context), *(n for arrays in tables for a in arrays for n in address(a)))
 
     @property
     def stored(self) -> int:
@@ -99,14 +103,25 @@ class NoisyOr(Factor):
 
     def condition(self, assignment: Mapping[str, Value]) -> Factor:
         fixed = self.at(assignment)
-        rest = {v.name: assignment[v.name] for v in (*self.context, self.child) if v.name in assignment}
         if not fixed.cause_variables:
-            return fixed.sparse().condition(rest)
-        if not rest:
+            return fixed.sparse().condition(assignment)
+        fixed = fixed._within(assignment)
+        if self.child.name not in assignment:
             return fixed
-        if self.child.name in rest and rest[self.child.name] == self.off:
-            return fixed.silence().condition(rest)
-        return fixed.sparse().condition(rest)
+        if assignment[self.child.name] == self.off:
+            return fixed.silence()
+        return fixed.sparse().condition(assignment)
+
+    def _within(self, assignment: Mapping[str, Value]) -> NoisyOr:
+        """Those rows of the context where it has some values."""
+        if not any(variable.name in assignment for variable in self.context):
+            return self
+        left = tuple(variable for variable in self.context if variable.name not in assignment)
+        numbered = DenseFactor(self.context, np.arange(count(self.context)).reshape([v.size for v in self.context]))
+        rows = numbered.condition(assignment).array.astype(np.int64).ravel()
+        emissions = {id(cause.emission): cause.emission.tocsr()[rows] for cause in self.causes}
+        causes = [Cause(c.variable, c.activation[:, rows], emissions[id(c.emission)]) for c in self.causes]
+        return NoisyOr(left, self.child, self.off, causes)
 
     def silence(self) -> DenseFactor:
         """Probability of the child's ``off`` value over context and causes: the product of ``1 − activation``."""
@@ -167,3 +182,8 @@ class NoisyOr(Factor):
             self.refuse_if_large(rest)
             return DenseFactor(rest, np.ones([variable.size for variable in rest]))
         return super().marginalise(*variables)
+
+
+def _arrays(emission: Any) -> tuple[np.ndarray[Any, Any], ...]:
+    """The arrays of a compressed sparse table; two tables may share some of them."""
+    return emission.data, emission.indices, emission.indptr

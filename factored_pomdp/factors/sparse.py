@@ -10,7 +10,7 @@ import numpy as np
 from factored_pomdp.errors import TooLarge
 from factored_pomdp.factors.base import MAX_ENTRIES, Factor, address, union
 from factored_pomdp.factors.dense import DenseFactor
-from factored_pomdp.variables import Value, Variable
+from factored_pomdp.variables import Value, Variable, count
 
 __all__ = ["SparseFactor"]
 
@@ -33,7 +33,7 @@ class SparseFactor(Factor):
 
     @property
     def storage(self) -> tuple[int, ...]:
-        return (address(self.coordinates), address(self.numbers))
+        return (*address(self.coordinates), *address(self.numbers))
 
     @property
     def stored(self) -> int:
@@ -63,8 +63,11 @@ class SparseFactor(Factor):
 
     def flat(self, variables: Iterable[Variable]) -> np.ndarray[Any, Any]:
         """Row-major position of every entry within the table over some variables of the scope."""
+        listed = tuple(variables)
+        if count(listed) > np.iinfo(np.int64).max:
+            raise TooLarge(f"positions over {', '.join(v.name for v in listed)} pass 64 bits: {count(listed):.3g}")
         flat = np.zeros(len(self.numbers), dtype=np.int64)
-        for variable in variables:
+        for variable in listed:
             flat = flat * variable.size + self.coordinates[:, self.scope.index(variable)]
         return flat
 

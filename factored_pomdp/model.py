@@ -9,10 +9,13 @@ from typing import Any
 from factored_pomdp.errors import Fault, ModelError, did_you_mean
 from factored_pomdp.factors import Factor
 from factored_pomdp.specification import Specification, resolve
-from factored_pomdp.validation import checked_distribution, checked_reward
+from factored_pomdp.validation import checked_distribution, checked_reward, is_certain
 from factored_pomdp.variables import Value, Variable, count
 
 __all__ = ["FactoredPOMDP"]
+
+_Allowed = Callable[[Variable], Mapping[str, Variable]]
+"""Which variables may stand in the distribution of a child."""
 
 
 class FactoredPOMDP:
@@ -67,28 +70,29 @@ class FactoredPOMDP:
         name: str = "model",
     ) -> None:
         self.name, self.discount = name, discount
-        self.states, self.actions, self.observations = tuple(states), tuple(actions), tuple(observations)
+        given = tuple(states), tuple(actions), tuple(observations)
+        self.states, self.actions, self.observations = (tuple(v for v in vs if _is_usable(v)) for vs in given)
         self.declared_known = frozenset(known)
         self.groups = tuple(tuple(group) for group in groups)
-        faults = self._name_faults()
-        if faults:
-            raise ModelError(faults)
+        faults = self._name_faults(*given)
         notes: list[str] = []
         state, action = _by_name(self.states), _by_name(self.actions)
         after = _by_name(variable.next for variable in self.states)
         seen = _by_name(self.observations)
         everything = state | action | after | seen
         build = _Builder(faults, notes)
-        self.initial = build.distributions("initial", initial, {x: v for x, v in state.items()}, state)
+        self.initial = build.distributions("initial", initial, state, lambda child: state)
         self.transition = build.distributions(
-            "transition", transition, {x: v.next for x, v in state.items()}, state | action | after
+            "transition", transition, {x: v.next for x, v in state.items()}, lambda child: state | action | after
         )
-        self.observation = build.distributions("observation", observation, seen, after | action | seen)
+        self.observation = build.distributions(
+            "observation", observation, seen, lambda child: after | action | {child.name: child}
+        )
         self.reward = build.rewards(reward, everything)
         self.legal = build.legal(legal or {}, action, state)
         build.acyclic("initial", self.initial)
         build.acyclic("transition", self.transition)
-        build.acyclic("observation", self.observation)
+        build.known(self.declared_known, self.initial)
         if not (isinstance(discount, int | float) and 0 <= discount <= 1):
             faults.append(Fault("discount", repr(discount), "a number in [0, 1]"))
         if faults:
@@ -151,10 +155,12 @@ class FactoredPOMDP:
             raise ValueError(f"{what}: no value for {', '.join(missing)}")
         return dict(given)
 
-    def _name_faults(self) -> list[Fault]:
+    def _name_faults(
+        self, given_states: Sequence[Any], given_actions: Sequence[Any], given_observations: Sequence[Any]
+    ) -> list[Fault]:
         faults = []
         names: dict[str, str] = {}
-        kinds = [("state", self.states), ("action", self.actions), ("observation", self.observations)]
+        kinds = [("state", given_states), ("action", given_actions), ("observation", given_observations)]
         for kind, variables in kinds:
             for variable in variables:
                 if not isinstance(variable, Variable):
@@ -167,11 +173,11 @@ class FactoredPOMDP:
                 if variable.is_next:
                     faults.append(Fault(f"variable {variable.name}", "the ending '.next'", "a name without it"))
                 names[variable.name] = kind
-        if not self.states:
+        if not given_states:
             faults.append(Fault("states", "none", "at least one variable"))
-        if not self.actions:
+        if not given_actions:
             faults.append(Fault("actions", "none", "at least one variable"))
-        states = {variable.name for variable in self.states if isinstance(variable, Variable)}
+        states = {variable.name for variable in self.states}
         for what, listed in (("known", self.declared_known), *((f"group {g}", g) for g in self.groups)):
             for name in listed:
                 if name not in states:
@@ -195,7 +201,7 @@ class _Builder:
         self._tables: dict[tuple[int, ...], tuple[Factor, Factor]] = {}
 
     def distributions(
-        self, kind: str, given: Mapping[str, Any], children: Mapping[str, Variable], allowed: Mapping[str, Variable]
+        self, kind: str, given: Mapping[str, Any], children: Mapping[str, Variable], allowed: _Allowed
     ) -> dict[str, Factor]:
         factors = {}
         for name in given:
@@ -207,7 +213,7 @@ class _Builder:
             if name not in given:
                 self.faults.append(Fault(where, "no distribution", "one for every variable"))
                 continue
-            factor = resolve(given[name], child, allowed, where, self.faults)
+            factor = resolve(given[name], child, allowed(child), where, self.faults)
             if factor is not None:
                 factors[name] = self._checked(factor, child, where)
         return factors
@@ -235,7 +241,7 @@ class _Builder:
         return factors
 
     def legal(
-        self, given: Mapping[str, Any], actions: Mapping[str, Variable], states: Mapping[str, Variable]
+        self, given: Mapping[str, Any], actions: dict[str, Variable], states: dict[str, Variable]
     ) -> dict[str, Factor]:
         factors = {}
         for name, specification in given.items():
@@ -248,23 +254,38 @@ class _Builder:
             if factor is None:
                 continue
             table = factor.dense()
-            if actions[name] in table.scope and not (table.array.max(axis=table.scope.index(actions[name])) > 0).all():
+            if actions[name] not in table.scope:
+                self.faults.append(
+                    Fault(f"legal {name}", f"a function that does not read {name}", f"{name} in its scope")
+                )
+            elif not (table.array.max(axis=table.scope.index(actions[name])) > 0).all():
                 self.faults.append(Fault(f"legal {name}", "a state without any legal action", "at least one"))
             factors[name] = factor
         return factors
 
+    def known(self, declared: Iterable[str], initial: Mapping[str, Factor]) -> None:
+        """Note the variables that are declared known, but whose start is not."""
+        uncertain = {name for name, factor in initial.items() if not is_certain(factor, name)}
+        while more := {n for n, f in initial.items() if n not in uncertain and uncertain & set(f.names)}:
+            uncertain |= more
+        for name in sorted(uncertain & set(declared)):
+            self.faults.append(
+                Fault(f"known {name}", "an uncertain start", "a certain initial value, as nothing is read before it")
+            )
+
     def acyclic(self, kind: str, factors: Mapping[str, Factor]) -> None:
         """Note the distributions that depend on each other in a circle (within one slice)."""
-        same_slice = {name: factor.scope for name, factor in factors.items()}
-        twin = {v.name: name for name, scope in same_slice.items() for v in scope if v.name in (name, f"{name}.next")}
-        if kind == "transition":
-            twin = {f"{name}.next": name for name in factors}
-        left = {n: {twin[v.name] for v in scope if v.name in twin} - {n} for n, scope in same_slice.items()}
+        twin = {f"{name}.next" if kind == "transition" else name: name for name in factors}
+        left = {n: {twin[v.name] for v in factor.scope if v.name in twin} - {n} for n, factor in factors.items()}
         while ready := [name for name, needs in left.items() if not needs & left.keys()]:
             for name in ready:
                 del left[name]
         if left:
             self.faults.append(Fault(kind, f"a circle through {', '.join(left)}", "distributions in some order"))
+
+
+def _is_usable(variable: Any) -> bool:
+    return isinstance(variable, Variable) and not variable.is_next
 
 
 def _by_name(variables: Iterable[Variable]) -> dict[str, Variable]:

@@ -52,8 +52,8 @@ def table(*axes: str | Variable, values: Any) -> Table:
 
 
 class _NotResolvable(Exception):
-    def __init__(self, found: str, expected: str) -> None:
-        self.found, self.expected = found, expected
+    def __init__(self, found: str, expected: str, *more: tuple[str, str, str]) -> None:
+        self.faults = [("", found, expected), *more] if found else list(more)
 
 
 def resolve(
@@ -83,7 +83,7 @@ def resolve(
             return DenseFactor((), float(specification))
         raise _NotResolvable(repr(specification), "a function, a fp.table(…), a Factor or a value")
     except _NotResolvable as problem:
-        faults.append(Fault(where, problem.found, problem.expected))
+        faults += [Fault(where + at, found, expected) for at, found, expected in problem.faults]
     except (ValueError, TypeError) as problem:
         faults.append(Fault(where, str(problem), "values and shapes of the variables it names"))
     return None
@@ -103,11 +103,14 @@ def _checked(factor: Factor, child: Variable | None, variables: Mapping[str, Var
 
 
 def _from_axes(named: Table, child: Variable | None, variables: Mapping[str, Variable]) -> Factor:
-    scope = []
-    for name in named.axes:
-        if name not in variables:
-            raise _NotResolvable(f"the unknown variable {name!r}", f"one of the model's{_near(name, variables)}")
-        scope.append(variables[name])
+    unknown = [name for name in named.axes if name not in variables]
+    if unknown:
+        what = "variable" if len(unknown) == 1 else "variables"
+        near = _near(unknown[0], variables)
+        raise _NotResolvable(f"the unknown {what} {_listed(unknown)}", f"one of the model's{near}")
+    if len(set(named.axes)) != len(named.axes):
+        raise _NotResolvable(f"axes {', '.join(named.axes)}", "every axis once")
+    scope = [variables[name] for name in named.axes]
     if callable(named.values):
         return _from_function([variable for variable in scope if variable != child], named.values, child)
     if child is not None and (not scope or scope[-1] != child):
@@ -129,7 +132,10 @@ def _fill(
     array: np.ndarray[Any, Any], index: tuple[int, ...], level: Any, scope: list[Variable], *, filled_up: bool
 ) -> None:
     if len(index) == len(scope):
-        array[index] = float(level)
+        try:
+            array[index] = float(level)
+        except (TypeError, ValueError):
+            raise _NotResolvable(f"{level!r}{_after(scope, index)}", "a number") from None
         return
     variable = scope[len(index)]
     if not isinstance(level, Mapping):
@@ -139,23 +145,33 @@ def _fill(
     absent = [value for value in variable.values if value not in level]
     last = len(index) == len(scope) - 1
     if absent and not (last and filled_up):
-        at = ", ".join(f"{v.name}={v.values[i]}" for v, i in zip(scope, index, strict=False))
-        raise _NotResolvable(
-            f"no entry for {variable.name}={absent[0]!r}{' at ' + at if at else ''}", "every value listed"
-        )
+        raise _NotResolvable(f"no entry for {variable.name}={absent[0]!r}{_after(scope, index)}", "every value listed")
+
+
+def _after(scope: list[Variable], index: tuple[int, ...]) -> str:
+    at = ", ".join(f"{v.name}={v.values[i]}" for v, i in zip(scope, index, strict=False))
+    return f" at {at}" if at else ""
 
 
 def _parameters(function: Callable[..., Any], variables: Mapping[str, Variable]) -> list[Variable]:
     """A parameter ``weather_next`` (or ``robot_place``) stands for the variable ``weather.next`` (or ``robot.place``)."""
-    by_parameter = {name.replace(".", "_"): variable for name, variable in variables.items()}
-    scope = []
-    for name in inspect.signature(function).parameters:
-        if name not in by_parameter:
-            raise _NotResolvable(
-                f"a function of the unknown {name!r}", f"parameters named as variables{_near(name, by_parameter)}"
-            )
-        scope.append(by_parameter[name])
-    return scope
+    by_parameter: dict[str, list[Variable]] = {}
+    for name, variable in variables.items():
+        by_parameter.setdefault(name.replace(".", "_"), []).append(variable)
+    parameters = list(inspect.signature(function).parameters)
+    unknown = [name for name in parameters if name not in by_parameter]
+    if unknown:
+        near = _near(unknown[0], by_parameter)
+        raise _NotResolvable(f"a function of the unknown {_listed(unknown)}", f"parameters named as variables{near}")
+    for name in parameters:
+        if len(by_parameter[name]) > 1:
+            either = " or ".join(variable.name for variable in by_parameter[name])
+            raise _NotResolvable(f"the parameter {name!r}", f"fp.table(…) with names of axes, as it may mean {either}")
+    return [by_parameter[name][0] for name in parameters]
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(repr(name) for name in names)
 
 
 def _from_function(parents: list[Variable], function: Callable[..., Any], child: Variable | None) -> Factor:
@@ -163,25 +179,27 @@ def _from_function(parents: list[Variable], function: Callable[..., Any], child:
     if count(parents) > MAX_ENTRIES // 10:
         raise TooLarge(f"a function of {', '.join(v.name for v in parents)} would be called {count(parents):,} times")
     shape = [parent.size for parent in parents]
-    results = []
+    results: list[Any] = []
+    problems: list[tuple[str, str, str]] = []
     for values in itertools.product(*(parent.values for parent in parents)):
         try:
-            results.append(function(*values))
+            results.append(_read(function(*values), child))
         except Exception as problem:
-            at = ", ".join(f"{parent.name}={value!r}" for parent, value in zip(parents, values, strict=True))
-            raise _NotResolvable(
-                f"{type(problem).__name__} ({problem}) at {at or 'no arguments'}", "a result"
-            ) from problem
+            at = ", ".join(f"{parent.name}={value}" for parent, value in zip(parents, values, strict=True))
+            found = str(problem) if isinstance(problem, _Unreadable) else f"{type(problem).__name__} ({problem})"
+            problems.append(
+                (f" at {at}" if at else "", found, "a number" if child is None else f"values of {child.name!r}")
+            )
+    if problems:
+        raise _NotResolvable("", "", *problems)
     if child is None:
-        return DenseFactor(scope, np.array([float(result) for result in results]).reshape(shape))
-    if not any(isinstance(result, Mapping) for result in results):
-        return DeterministicFactor(parents, child, np.array([child.index(result) for result in results]).reshape(shape))
-    rows, columns, numbers = [], [], []
-    for row, result in enumerate(results):
-        for value, probability in (result if isinstance(result, Mapping) else {result: 1.0}).items():
-            rows.append(row)
-            columns.append(child.index(value))
-            numbers.append(float(probability))
+        return DenseFactor(scope, np.array(results).reshape(shape))
+    if not any(isinstance(result, dict) for result in results):
+        return DeterministicFactor(parents, child, np.array(results).reshape(shape))
+    spread = [result if isinstance(result, dict) else {result: 1.0} for result in results]
+    rows = [row for row, result in enumerate(spread) for _ in result]
+    columns = [column for result in spread for column in result]
+    numbers = [number for result in spread for number in result.values()]
     entries = count(scope)
     flat = np.array(rows, dtype=np.int64) * child.size + np.array(columns, dtype=np.int64)
     from factored_pomdp.factors.sparse import SparseFactor, unflatten
@@ -190,6 +208,22 @@ def _from_function(parents: list[Variable], function: Callable[..., Any], child:
     if entries > _SPARSE_FROM and len(numbers) < _SPARSE_BELOW * entries:
         return stored
     return stored.dense()
+
+
+class _Unreadable(ValueError):
+    """What a function returned is no number, value or distribution."""
+
+
+def _read(result: Any, child: Variable | None) -> float | int | dict[int, float]:
+    """A reward; or the position of a child's value; or probabilities by position."""
+    try:
+        if child is None:
+            return float(result)
+        if isinstance(result, Mapping):
+            return {child.index(value): float(probability) for value, probability in result.items()}
+        return child.index(result)
+    except (TypeError, ValueError) as problem:
+        raise _Unreadable(f"{result!r} ({problem})") from None
 
 
 def _near(name: str, variables: Mapping[str, Any]) -> str:

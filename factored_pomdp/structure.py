@@ -13,10 +13,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from factored_pomdp.contraction import contract
-from factored_pomdp.factors import DeterministicFactor, Factor, NoisyOr, SparseFactor
+from factored_pomdp.factors import Factor, NoisyOr
 from factored_pomdp.influence import Influences
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.separation import additive_parts, multiplicative_parts
+from factored_pomdp.validation import is_certain
 from factored_pomdp.variables import Variable
 
 __all__ = ["Block", "Join", "Structure", "structure_of"]
@@ -139,7 +140,7 @@ class _Finder:
     def _known(self) -> tuple[set[str], dict[str, str]]:
         declared = self.model.declared_known
         read_ahead = {v.name for name, f in self.transition.items() for v in f.scope if v.name != f"{name}.next"}
-        known = {name for name, factor in self.initial.items() if _is_certain(factor, name)}
+        known = {name for name, factor in self.initial.items() if is_certain(factor, name)}
         group_of = {name: set(group) for group in self.model.groups for name in group}
         while True:
             shown = {name: o for name in known if (o := self._shown_by(name, known)) is not None}
@@ -155,7 +156,7 @@ class _Finder:
         factor = self.transition[name]
         parents = {variable.name.removesuffix(".next") for variable in factor.scope} - {name}
         states = {variable.name for variable in self.model.states}
-        return _is_certain(factor, f"{name}.next") and (parents & states) <= known
+        return is_certain(factor, f"{name}.next") and (parents & states) <= known
 
     def _shown_by(self, name: str, known: set[str]) -> str | None:
         for seen, factor in self.observation.items():
@@ -311,15 +312,6 @@ class _Reducer:
         return (
             short if first.names == factor.names else short.renamed(dict(zip(first.names, factor.names, strict=True)))
         )
-
-
-def _is_certain(factor: Factor, child: str) -> bool:
-    if isinstance(factor, DeterministicFactor):
-        return factor.child.name == child
-    if isinstance(factor, NoisyOr):
-        return False
-    numbers = factor.numbers if isinstance(factor, SparseFactor) else factor.dense().array
-    return bool(np.isin(numbers, (0.0, 1.0)).all())
 
 
 def _components(size: int, links: Iterable[tuple[int, ...]]) -> list[int]:

@@ -11,10 +11,10 @@ if TYPE_CHECKING:
     from factored_pomdp.contraction import contract
     from factored_pomdp.decomposition import Certificate, decompose
     from factored_pomdp.errors import Fault, ImpossibleObservation, ModelError, TooLarge
+    from factored_pomdp.expansion import Joint, joint
     from factored_pomdp.factors import Cause, DenseFactor, DeterministicFactor, Factor, NoisyOr, SparseFactor
-    from factored_pomdp.joint import Joint, joint
     from factored_pomdp.model import FactoredPOMDP
-    from factored_pomdp.registry import domain, domains, solvers
+    from factored_pomdp.registry import domain, solvers
     from factored_pomdp.simulation import Simulation
     from factored_pomdp.specification import table
     from factored_pomdp.variables import Variable
@@ -24,10 +24,10 @@ _HOMES = {
     "contraction": ["contract"],
     "decomposition": ["Certificate", "decompose"],
     "errors": ["Fault", "ImpossibleObservation", "ModelError", "TooLarge"],
+    "expansion": ["Joint", "joint"],
     "factors": ["Cause", "DenseFactor", "DeterministicFactor", "Factor", "NoisyOr", "SparseFactor"],
-    "joint": ["Joint", "joint"],
     "model": ["FactoredPOMDP"],
-    "registry": ["domain", "domains", "solvers"],
+    "registry": ["domain", "solvers"],
     "simulation": ["Simulation"],
     "specification": ["table"],
     "variables": ["Variable"],

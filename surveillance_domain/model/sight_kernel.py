@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, no_type_check
 
 from numba import njit
 
 __all__ = ["walk_segments"]
 
 
+@no_type_check  # numba compiles the plain function, not one that checks its types
 @njit(cache=True, nogil=True)
 def walk_segments(walls: Any, start: Any, ends: Any, units: int, visible: Any) -> None:
     """``visible[k]``: no wall between ``start`` and ``ends[k]``, all in whole units, ``units`` of them a cell.

@@ -32,7 +32,7 @@ class Views:
         Standard deviation of the cell that camera ``i`` reports, in metres.
     """
 
-    detection: tuple[Float[np.ndarray, "presets cells"], ...]
+    detection: tuple[Float[np.ndarray, "_presets cells"], ...]
     noise_m: tuple[float, ...]
 
     def seen(self, presets: Sequence[int | None]) -> Float[np.ndarray, " cells"]:

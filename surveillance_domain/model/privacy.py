@@ -22,7 +22,7 @@ def privacy_faults(site: Site) -> Iterator[Fault]:
     """One fault for each preset whose picture shows a part of a private area's floor.
 
     The depth of a field of view is no excuse: what lies beyond it is shown too, only smaller. Walls are. The area is
-    sampled a quarter of a cell apart, closer in small areas.
+    sampled a quarter of a cell apart, closer in small areas, with at most 400 points a side.
     """
     for number, area in enumerate(site.privacy):
         points = _samples(np.array(area.polygon_m), site.grid.cell_m)

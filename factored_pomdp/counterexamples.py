@@ -1,14 +1,14 @@
 """Numbers that show a tie: worked out on the tied block alone, from beliefs with a few values each.
 
-Initial tie: a joint probability that is not the product of the marginals. Transition or observation tie: a posterior that is
-not the product of its marginals although the belief was one, or two beliefs that agree on one thing whose posteriors differ
-there. Reward tie: four expected rewards whose mixed difference is not zero.
+Initial tie: a joint probability that is not the product of the marginals. Transition or observation tie: a posterior that
+is not the product of its marginals although the belief was one, or two beliefs that agree on one thing whose posteriors
+differ there. Reward tie: four expected rewards whose mixed difference is not zero.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import reduce
 from typing import Any
 
@@ -49,7 +49,7 @@ def _not_a_product(table: Factor, things: list[tuple[str, ...]], said: Counterex
     joint = sparse.marginalise(*rest) if rest else sparse
     joint = joint.product(constant(1 / float(joint.numbers.sum()))).sparse()
     parts = [joint.marginalise(*(v for v in joint.scope if v not in group)) for group in groups]
-    product = reduce(lambda a, b: a.product(b), parts).sparse()
+    product = reduce(lambda a, b: a.join(b), parts)
     ours = dict(zip(joint.flat(joint.scope).tolist(), joint.numbers.tolist(), strict=True))
     keys = product.flat(joint.scope).tolist()
     differences = [abs(ours.get(key, 0.0) - number) for key, number in zip(keys, product.numbers, strict=True)]
@@ -94,8 +94,9 @@ class _Search:
 
     def value(self) -> Counterexample | None:
         """Expected rewards of four beliefs that differ in one thing each."""
-        first, second = self.things[0], self.things[1]
-        for belief, others in self._beliefs():
+        for (belief, others), (first, second) in itertools.product(
+            self._beliefs(), itertools.combinations(self.things, 2)
+        ):
             context = self._context(others)
             numbers: dict[tuple[int, int], float] = {}
             for one, two in itertools.product((0, 1), repeat=2):
@@ -108,8 +109,16 @@ class _Search:
             mixed = numbers[0, 0] + numbers[1, 1] - numbers[0, 1] - numbers[1, 0]
             if abs(mixed) > _SHOWS:
                 ends = {name: list(belief[name]) for name in (*first, *second)}
+                rest = {name: masses for name, masses in belief.items() if name not in ends}
                 values = {f"{one}{two}": number for (one, two), number in numbers.items()}
-                return {"kind": "value", "ends": ends, **context, "values": values, "mixed_difference": mixed}
+                return {
+                    "kind": "value",
+                    "ends": ends,
+                    "belief": rest,
+                    **context,
+                    "values": values,
+                    "mixed_difference": mixed,
+                }
         return None
 
     def _dependence(
@@ -119,8 +128,7 @@ class _Search:
         for changed, watched in itertools.permutations(self.things, 2):
             other = dict(belief)
             for name in changed:
-                values = list(belief[name])
-                other[name] = {values[-1]: 1.0}
+                other[name] = {list(belief[name])[-1]: 1.0}
             second = self._posterior(self._predicted(other, context), context, observed)
             if second is None:
                 continue
@@ -155,32 +163,30 @@ class _Search:
         for trial in range(_TRIALS):
             belief: Belief = {}
             for name, variable in self.hidden.items():
-                values = list(dict.fromkeys(pairs.get(name, [])))[:2] if trial < _TRIALS // 3 else []
-                while len(values) < min(2, variable.size):
+                picked: list[Value] = list(dict.fromkeys(pairs.get(name, [])))[:2] if trial < _TRIALS // 3 else []
+                while len(picked) < min(2, variable.size):
                     near = others.get(name, others.get(f"{name}.next")) if trial < _TRIALS // 3 else None
-                    fresh = (
-                        near
-                        if near is not None and near not in values
-                        else variable.values[int(self.rng.integers(variable.size))]
-                    )
-                    if fresh not in values:
-                        values.append(fresh)
+                    fresh = near if near is not None and near not in picked else self._any(variable.values)
+                    if fresh not in picked:
+                        picked.append(fresh)
                 share = 0.5 if trial % 2 == 0 else float(self.rng.uniform(0.2, 0.8))
                 belief[name] = (
-                    dict(zip(values, (share, 1 - share), strict=False)) if len(values) > 1 else {values[0]: 1.0}
+                    dict(zip(picked, (share, 1 - share), strict=False)) if len(picked) > 1 else {picked[0]: 1.0}
                 )
             yield belief, others if trial < _TRIALS // 3 else {}
 
     def _context(self, others: Mapping[str, Value]) -> dict[str, Any]:
         """An action and known values; those of the witness where it names them."""
-        action = {v.name: others.get(v.name, self._any(v)) for v in self.model.actions}
-        known = {name: others.get(name, self._any(self.model.variable(name))) for name in self.structure.known}
-        if not self.model.is_legal(action, known):
-            return self._context({})
+        known = {name: others.get(name, self._any(self.model.variable(name).values)) for name in self.structure.known}
+        action: dict[str, Value] = {}
+        for variable in self.model.actions:
+            allowed = [value for value in variable.values if self.model.is_legal({variable.name: value}, known)]
+            near = others.get(variable.name)
+            action[variable.name] = near if near in allowed else self._any(allowed)
         return {"action": action, "known": known}
 
-    def _any(self, variable: Variable) -> Value:
-        return variable.values[int(self.rng.integers(variable.size))]
+    def _any(self, values: Sequence[Value]) -> Value:
+        return values[int(self.rng.integers(len(values)))]
 
     def _given(self, context: Mapping[str, Any]) -> dict[str, Value]:
         given = {**context["action"], **context["known"]}
@@ -212,11 +218,11 @@ class _Search:
         self, predicted: Factor, context: Mapping[str, Any], others: Mapping[str, Value]
     ) -> dict[str, Value]:
         """Draw a value for everything that is seen of the block; the witness' own where it has one."""
-        given, observed = self._given(context), {}
+        given, observed = self._given(context), self._read_back(context)
         seen = {v.name for v in self.model.observations}
         for name, factor in self.block.likelihood.items():
             child = name if name in seen else f"{name}.next"
-            table = factor.condition({n: v for n, v in given.items() if n != child})
+            table = factor.condition({n: v for n, v in {**given, **observed}.items() if n != child})
             line = contract([predicted, *self._shown(observed, given), table], [table.variable(child)]).array_over(
                 [table.variable(child)]
             )
@@ -225,6 +231,16 @@ class _Search:
             elif line.sum() > 0:
                 observed[child] = table.variable(child).values[int(self.rng.choice(len(line), p=line / line.sum()))]
         return observed
+
+    def _read_back(self, context: Mapping[str, Any]) -> dict[str, Value]:
+        """Possible next values of the known variables that are left to chance, but not to hidden variables."""
+        given, read = self._given(context), {}
+        for name in self.structure.known:
+            if name not in self.structure.functions and name not in self.block.likelihood:
+                line = self.model.transition[name].condition(given).dense()
+                if len(line.scope) == 1:
+                    read[f"{name}.next"] = line.scope[0].values[int(line.array.argmax())]
+        return read
 
     def _shown(self, observed: Mapping[str, Value], given: Mapping[str, Value]) -> list[Factor]:
         names = {**given, **observed}
@@ -243,17 +259,18 @@ class _Search:
     def _expected(self, belief: Belief, context: Mapping[str, Any]) -> float:
         """Expected value of the tying reward for one belief."""
         given = self._given(context)
-        wanted, factors = [self.join.table.condition(given)], [self._predicted(belief, context)]
-        names = {v.name for v in wanted[0].scope}
-        for variable in self.model.observations:
-            if variable.name in names:
-                factors.append(self.model.observation[variable.name].condition(given))
-        for name in self.structure.known:
-            if f"{name}.next" in names and f"{name}.next" not in given:
-                factors.append(self.model.transition[name].condition(given))
-        return float(contract([*factors, *wanted], []).dense().array)
+        factors = [self._predicted(belief, context), self.join.table.condition(given)]
+        laws = {f"{name}.next": self.model.transition[name] for name in self.structure.known} | self.model.observation
+        waiting, done = list(factors[1].names), set(given)
+        while waiting:
+            name = waiting.pop()
+            if name in laws and name not in done:
+                factors.append(laws[name].condition(given))
+                waiting += factors[-1].names
+            done.add(name)
+        return float(contract(factors, []).dense().array)
 
 
-def _marginal(table: Factor, kept: list[Variable]) -> np.ndarray[Any, Any]:
+def _marginal(table: Factor, kept: list[Variable]) -> np.ndarray:
     rest = [variable for variable in table.scope if variable not in kept]
     return (table.marginalise(*rest) if rest else table).array_over(kept)

@@ -59,8 +59,8 @@ class ImpossibleObservation(ValueError):
         self.block = tuple(block)
         self.action, self.observation = action, observation
         super().__init__(
-            f"observation {observation} has probability zero for block [{', '.join(self.block)}] after action {action}; "
-            "the model calls it impossible (pass restart=… to condition() to go on)"
+            f"observation {observation} has probability zero for block [{', '.join(self.block)}] after action "
+            f"{action}; the model calls it impossible (pass restart=… to condition() to go on)"
         )
 
 

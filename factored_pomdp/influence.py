@@ -1,9 +1,8 @@
-"""Which variables make a numeric difference to a factor, shown by two assignments that differ in that variable alone."""
+"""Which variables make a numeric difference to a factor, shown by two assignments that differ in that one alone."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -67,7 +66,7 @@ def influence(factor: Factor, variable: Variable) -> Witness | None:
     return _in_array(table.array, table.scope, variable)
 
 
-def _in_array(array: np.ndarray[Any, Any], scope: tuple[Variable, ...], variable: Variable) -> Witness | None:
+def _in_array(array: np.ndarray, scope: tuple[Variable, ...], variable: Variable) -> Witness | None:
     axis = scope.index(variable)
     lines = np.moveaxis(array, axis, -1)
     spread = lines.max(axis=-1) - lines.min(axis=-1)
@@ -124,7 +123,7 @@ def _in_noisy_or(factor: NoisyOr, variable: Variable) -> Witness | None:
     return None
 
 
-def _decides(factor: NoisyOr, number: int) -> np.ndarray[Any, Any]:
+def _decides(factor: NoisyOr, number: int) -> np.ndarray:
     """How far, for each context, it can matter to the child whether a cause acts."""
     cause, later = factor.causes[number], factor.causes[number + 1 :]
     heard, silence = (_can_be_silent(causes, cause.activation.shape[1]) for causes in (factor.causes[:number], later))
@@ -136,7 +135,7 @@ def _decides(factor: NoisyOr, number: int) -> np.ndarray[Any, Any]:
     return np.asarray(heard * np.maximum(silence, shows_else))
 
 
-def _can_be_silent(causes: tuple[Cause, ...], contexts: int) -> np.ndarray[Any, Any]:
+def _can_be_silent(causes: tuple[Cause, ...], contexts: int) -> np.ndarray:
     silent = np.ones(contexts)
     for cause in causes:
         silent = silent * (1 - cause.activation.min(axis=0))

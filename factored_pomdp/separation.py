@@ -95,11 +95,11 @@ def multiplicative_parts(factor: Factor, groups: Sequence[Group]) -> list[tuple[
     return parts
 
 
-def _difference(array: np.ndarray[Any, Any], axis: int) -> np.ndarray[Any, Any]:
+def _difference(array: np.ndarray, axis: int) -> np.ndarray:
     return array - np.take(array, [0], axis=axis)
 
 
-def _splits(array: np.ndarray[Any, Any], side: list[int]) -> bool:
+def _splits(array: np.ndarray, side: list[int]) -> bool:
     inside = tuple(number + 1 for number in side)
     outside = tuple(number for number in range(1, array.ndim) if number not in inside)
     total = array.sum(axis=(*inside, *outside), keepdims=True)

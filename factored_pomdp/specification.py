@@ -128,9 +128,7 @@ def _from_axes(named: Table, child: Variable | None, variables: Mapping[str, Var
     return DenseFactor(scope, array)
 
 
-def _fill(
-    array: np.ndarray[Any, Any], index: tuple[int, ...], level: Any, scope: list[Variable], *, filled_up: bool
-) -> None:
+def _fill(array: np.ndarray, index: tuple[int, ...], level: Any, scope: list[Variable], *, filled_up: bool) -> None:
     if len(index) == len(scope):
         try:
             array[index] = float(level)
@@ -154,7 +152,7 @@ def _after(scope: list[Variable], index: tuple[int, ...]) -> str:
 
 
 def _parameters(function: Callable[..., Any], variables: Mapping[str, Variable]) -> list[Variable]:
-    """A parameter ``weather_next`` (or ``robot_place``) stands for the variable ``weather.next`` (or ``robot.place``)."""
+    """A parameter ``weather_next`` or ``robot_place`` stands for the variable ``weather.next`` or ``robot.place``."""
     by_parameter: dict[str, list[Variable]] = {}
     for name, variable in variables.items():
         by_parameter.setdefault(name.replace(".", "_"), []).append(variable)

@@ -1,8 +1,10 @@
 """The parts that a model falls into: known variables, and blocks of hidden variables with the factors that touch them.
 
-A state variable is *known* if the agent can tell its value after every step: its start is certain, and it is declared as
-read back, or is a function of known variables and actions, or is shown without doubt by an observation (in these two
-cases no transition may read its next value, or it counts as hidden). Given the known variables, the hidden ones are joined by every factor whose numbers depend on several of them.
+A state variable is *known* if the agent can tell its value after every step: its start is certain, and it is declared
+as read back, or is a function of known variables and actions, or is shown without doubt by an observation. One that is
+read back or shown counts as hidden all the same where a transition reads its next value, or where its own transition
+reads the current value of a hidden one. Given the known variables, the hidden ones are joined by every factor whose
+numbers depend on several of them.
 """
 
 from __future__ import annotations
@@ -12,7 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from factored_pomdp.contraction import contract
+from factored_pomdp.contraction import contract_ancestors
 from factored_pomdp.factors import Factor, NoisyOr
 from factored_pomdp.influence import Influences
 from factored_pomdp.model import FactoredPOMDP
@@ -78,9 +80,10 @@ class Structure:
     ----------
     known : tuple of str
     functions : dict
-        Known variables that are functions of known variables and actions, with that function.
+        Known variables that are functions of known variables and actions, with that function; one that reads another's
+        next value comes after it.
     shown_by : dict
-        Known variables that an observation shows, and that observation's name.
+        Known variables that an observation shows, and that observation's name; in an order in which they can be told.
     blocks : tuple of Block
     things : tuple of tuples of str
         Hidden variables in the smallest units that could have stayed apart.
@@ -107,14 +110,14 @@ def structure_of(model: FactoredPOMDP) -> Structure:
 
 class _Finder:
     def __init__(self, model: FactoredPOMDP) -> None:
-        self.model = model
+        self.model, self.states = model, set(model.states)
         influences = Influences()
         reduced = _Reducer(influences).reduced
         self.initial = {x: reduced(f, x) for x, f in model.initial.items()}
         self.transition = {x: reduced(f, f"{x}.next") for x, f in model.transition.items()}
         self.observation = {o: reduced(f, o) for o, f in model.observation.items()}
         self.rewards = {r: reduced(f, None) for r, f in model.reward.items()}
-        self.known, self.shown_by = self._known()
+        self.known, self.functions, self.shown_by = self._known()
         self.things = self._things()
         self.thing_of = {name: number for number, names in enumerate(self.things) for name in names}
 
@@ -133,39 +136,66 @@ class _Finder:
         terms, free = self._reward_terms(roots, joins)
         roots = _components(len(self.things), [join.things for join in joins])
         blocks = self._blocks(roots, likelihoods, terms)
-        functions = {n: t for n, t in self.transition.items() if n in self.known and self._is_function(n, self.known)}
         order = tuple(variable.name for variable in self.model.states if variable.name in self.known)
+        functions = {name: self.transition[name] for name in self.functions}
         return Structure(self.model, order, functions, self.shown_by, blocks, self.things, tuple(joins), free)
 
-    def _known(self) -> tuple[set[str], dict[str, str]]:
-        declared = self.model.declared_known
-        read_ahead = {v.name for name, f in self.transition.items() for v in f.scope if v.name != f"{name}.next"}
+    def _known(self) -> tuple[set[str], list[str], dict[str, str]]:
+        """The largest set of variables that can be told after a step if they were known before it."""
         known = {name for name, factor in self.initial.items() if is_certain(factor, name)}
-        group_of = {name: set(group) for group in self.model.groups for name in group}
+        group_of: dict[str, set[str]] = {}
+        for group in self.model.groups:
+            for name in group:
+                group_of.setdefault(name, set()).update(group)
         while True:
-            shown = {name: o for name in known if (o := self._shown_by(name, known)) is not None}
-            seen = {n for n in known if (n in declared or n in shown) and f"{n}.next" not in read_ahead}
-            left = seen | {n for n in known if self._is_function(n, known)}
-            left = {n for n in left if group_of.get(n, {n}) <= left}
+            functions, shown_by, told = self._told(known)
+            left = {n for n in told if group_of.get(n, {n}) <= told}
             left = {n for n in left if {v.name for v in self.initial[n].scope} <= left | {n}}
             if left == known:
-                return known, {n: o for n, o in shown.items() if not self._is_function(n, known)}
+                return known, functions, shown_by
             known = left
 
-    def _is_function(self, name: str, known: set[str]) -> bool:
-        factor = self.transition[name]
-        parents = {variable.name.removesuffix(".next") for variable in factor.scope} - {name}
-        states = {variable.name for variable in self.model.states}
-        return is_certain(factor, f"{name}.next") and (parents & states) <= known
+    def _told(self, known: set[str]) -> tuple[list[str], dict[str, str], set[str]]:
+        """Which known variables can be told after a step, one after the other: as functions, read back, shown."""
+        read_ahead = {v.name for name, f in self.transition.items() for v in f.scope if v.name != f"{name}.next"}
+        functions: list[str] = []
+        shown_by: dict[str, str] = {}
+        told: set[str] = set()
+        while more := [
+            n for n in self.transition if n in known and n not in told and self._is_function(n, known, told)
+        ]:
+            functions += more
+            told |= set(more)
+        left = [n for n in self.transition if n in known and n not in told and f"{n}.next" not in read_ahead]
+        left = [name for name in left if self._reads_known(name, known)]
+        told |= self.model.declared_known & set(left)
+        while more := [n for n in left if n not in told and self._shown_by(n, told) is not None]:
+            shown_by[more[0]] = str(self._shown_by(more[0], told))
+            told.add(more[0])
+        return functions, shown_by, told
 
-    def _shown_by(self, name: str, known: set[str]) -> str | None:
+    def _is_function(self, name: str, known: set[str], told: set[str]) -> bool:
+        factor = self.transition[name]
+        if not is_certain(factor, f"{name}.next"):
+            return False
+        after = {v.now.name for v in factor.scope if v.is_next} - {name}
+        return after <= told and self._reads_known(name, known)
+
+    def _reads_known(self, name: str, known: set[str]) -> bool:
+        """Whether all the current-slice state variables that a transition reads are known."""
+        return all(v.name in known for v in self.transition[name].scope if v in self.states)
+
+    def _shown_by(self, name: str, told: set[str]) -> str | None:
+        """An observation that no two next values of a variable can give, everything else that it reads being told."""
+        after = self.model.variable(name).next
         for seen, factor in self.observation.items():
-            hidden = {v.name for v in factor.scope if v.is_next and v.name.removesuffix(".next") not in known}
-            if isinstance(factor, NoisyOr) or not any(v.name == f"{name}.next" for v in factor.scope) or hidden:
+            hidden = {v.now.name for v in factor.scope if v.is_next} - told - {name}
+            if isinstance(factor, NoisyOr) or after not in factor.scope or hidden:
                 continue
-            variable = factor.variable(f"{name}.next")
-            table = factor.array_over([variable, *(v for v in factor.scope if v != variable)])
-            if ((table > 0).sum(axis=0) <= 1).all():
+            possible = factor.sparse()
+            others = [variable for variable in possible.scope if variable != after]
+            _, times = np.unique(possible.flat(others)[possible.numbers > 0], return_counts=True)
+            if (times <= 1).all():
                 return seen
         return None
 
@@ -194,7 +224,7 @@ class _Finder:
         for root in dict.fromkeys(roots[things[0]] for things in links.values() if len(things) > 1):
             members = [number for number, other in enumerate(roots) if other == root]
             groups = [tuple(self.model.variable(name) for name in self.things[number]) for number in members]
-            joint = contract(self.initial.values(), [variable for group in groups for variable in group])
+            joint = contract_ancestors(self.initial, [variable for group in groups for variable in group])
             groups = [tuple(variable for variable in group if variable in joint.scope) for group in groups]
             for component, part in multiplicative_parts(joint, groups):
                 things = tuple(members[number] for number in component)
@@ -238,7 +268,7 @@ class _Finder:
                     shared.append((variable, owners))
             if shared:
                 touched = set(by_block).union(*(owners for _, owners in shared))
-                joins.append(Join(f"reward {name}", "reward", table, tuple(sorted(touched))))
+                joins.append(Join(f"reward {name}", "reward", table, self._things_behind(table)))
                 terms.append((name, table, min(touched)))
                 continue
             if not by_block:
@@ -247,19 +277,23 @@ class _Finder:
             numbers = list(by_block)
             groups = [tuple(variables) for variables in by_block.values()]
             for component, part in additive_parts(table, groups):
-                things = tuple(numbers[number] for number in component)
-                if len(things) > 1:
-                    joins.append(Join(f"reward {name}", "reward", part, things))
-                terms.append((name, part, things[0]))
+                if len(component) > 1:
+                    joins.append(Join(f"reward {name}", "reward", part, self._things_behind(part)))
+                terms.append((name, part, numbers[component[0]]))
         return terms, free
+
+    def _things_behind(self, table: Factor) -> tuple[int, ...]:
+        """Things that a reward reads, or that what it reads depends on."""
+        found = set(self._hidden(table))
+        for variable in table.scope:
+            if variable.now.name not in self.thing_of:
+                found |= self._owners(variable, set())
+        return tuple(sorted(found))
 
     def _owners(self, variable: Variable, walked: set[str]) -> set[int]:
         """Things whose current belief the distribution of a variable depends on."""
         name = variable.name.removesuffix(".next")
-        if name in self.thing_of:
-            owners = {self.thing_of[name]}
-        else:
-            owners = set()
+        owners = {self.thing_of[name]} if name in self.thing_of else set()
         if variable.name in walked:
             return owners
         walked.add(variable.name)

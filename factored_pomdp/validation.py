@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -77,14 +76,14 @@ def is_certain(factor: Factor, child: str) -> bool:
     return bool(np.isin(numbers, (0.0, 1.0)).all())
 
 
-def _sums(table: SparseFactor | DenseFactor, parents: tuple[Variable, ...]) -> np.ndarray[Any, Any]:
+def _sums(table: SparseFactor | DenseFactor, parents: tuple[Variable, ...]) -> np.ndarray:
     if isinstance(table, SparseFactor):
         return np.bincount(table.flat(parents), weights=table.numbers, minlength=count(parents))
     axis = next(axis for axis, variable in enumerate(table.scope) if variable not in parents)
     return table.array.sum(axis=axis).ravel()
 
 
-def _columns(table: SparseFactor | DenseFactor, parents: tuple[Variable, ...]) -> np.ndarray[Any, Any]:
+def _columns(table: SparseFactor | DenseFactor, parents: tuple[Variable, ...]) -> np.ndarray:
     """For each stored number, which assignment of the parents it belongs to."""
     if isinstance(table, SparseFactor):
         return table.flat(parents)
@@ -94,7 +93,7 @@ def _columns(table: SparseFactor | DenseFactor, parents: tuple[Variable, ...]) -
     return np.broadcast_to(numbered, table.array.shape).ravel()
 
 
-def _normalised(table: SparseFactor | DenseFactor, parents: tuple[Variable, ...], sums: np.ndarray[Any, Any]) -> Factor:
+def _normalised(table: SparseFactor | DenseFactor, parents: tuple[Variable, ...], sums: np.ndarray) -> Factor:
     if isinstance(table, SparseFactor):
         return SparseFactor(table.scope, table.coordinates, table.numbers / sums[table.flat(parents)])
     axis = next(axis for axis, variable in enumerate(table.scope) if variable not in parents)
@@ -176,13 +175,13 @@ def _check_noisy_or(factor: NoisyOr, where: str, faults: list[Fault]) -> None:
             )
 
 
-def _entry(table: SparseFactor | DenseFactor, position: int) -> np.ndarray[Any, Any]:
+def _entry(table: SparseFactor | DenseFactor, position: int) -> np.ndarray:
     if isinstance(table, SparseFactor):
         return np.asarray(table.coordinates[position])
     return unflatten(np.array([position]), table.scope)[0]
 
 
-def _at(variables: tuple[Variable, ...], index: np.ndarray[Any, Any]) -> str:
+def _at(variables: tuple[Variable, ...], index: np.ndarray) -> str:
     if not variables:
         return ""
     return " at " + ", ".join(f"{v.name}={v.values[int(i)]}" for v, i in zip(variables, index, strict=True))

@@ -64,7 +64,7 @@ class Variable:
         """How many values there are."""
         return len(self.values)
 
-    def index(self, value: Value) -> int:
+    def index(self, value: object) -> int:
         """Position of a value; ``ValueError`` names the values that there are."""
         try:
             return self._indexes[value]

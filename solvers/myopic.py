@@ -57,7 +57,9 @@ class DecomposedMyopic:
         if largest > 20_000_000:
             return Ability(False, because + "; more than 20,000,000", f"{8 * largest:,} bytes a belief")
         states = sum(count(model.variable(n) for n in block) for block in certificate.blocks)
-        return Ability(True, because, f"{8 * states:,} bytes a belief; {model.joint_actions:,} joint actions to choose from")
+        return Ability(
+            True, because, f"{8 * states:,} bytes a belief; {model.joint_actions:,} joint actions to choose from"
+        )
 
     def start(self) -> ProductBelief:
         """The model's initial belief, in the form that `decide` takes."""
@@ -72,7 +74,9 @@ class DecomposedMyopic:
             Action values to keep where that costs nothing.
         """
         known = belief.known
-        legal = [factor.condition(_given(factor, known)) for factor in self.model.legal.values() if _readable(factor, known)]
+        legal = [
+            factor.condition(_given(factor, known)) for factor in self.model.legal.values() if _readable(factor, known)
+        ]
         return maximise(self.local_functions(belief), self.model.actions, legal, prefer)
 
     def value(self, belief: ProductBelief, action: Any) -> float:
@@ -83,7 +87,9 @@ class DecomposedMyopic:
     def local_functions(self, belief: ProductBelief) -> list[Factor]:
         """Functions of action variables whose sum is V(B, ·)."""
         known = belief.known
-        functions = [self._of_actions(f.condition(_given(f, known)), known) for _, f in self.plan.structure.free_rewards]
+        functions = [
+            self._of_actions(f.condition(_given(f, known)), known) for _, f in self.plan.structure.free_rewards
+        ]
         for number, plan in enumerate(belief.plan.stacks):
             for position, (_, reward) in enumerate(plan.stack.pattern.rewards):
                 for columns, names in _alike(belief, number, reward):
@@ -121,7 +127,11 @@ class DecomposedMyopic:
         """The next variables whose predicted mass is all that a local function takes from the belief, if that is so."""
         used = _needed(reward, {s.name: plan.stack.pattern.likelihood[s.name] for s in plan.seen})
         actions = any(variable in self.model.actions for variable in plan.prediction.context)
-        if actions or any(variable.is_next for variable in plan.prediction.context) or plan.stack.own - {s.name for s in plan.seen}:
+        if (
+            actions
+            or any(variable.is_next for variable in plan.prediction.context)
+            or plan.stack.own - {s.name for s in plan.seen}
+        ):
             return ()
         return used[0].context if len(used) == 1 and isinstance(used[0], NoisyOr) else ()
 
@@ -149,7 +159,12 @@ class DecomposedMyopic:
         return expected.renamed(rename)
 
     def _predicted(
-        self, belief: ProductBelief, number: int, columns: list[int] | None, rename: Mapping[str, str], hidden: Sequence[Variable]
+        self,
+        belief: ProductBelief,
+        number: int,
+        columns: list[int] | None,
+        rename: Mapping[str, str],
+        hidden: Sequence[Variable],
     ) -> Factor:
         """Predicted mass over some next variables, and over the actions that the prediction reads."""
         plan = belief.plan.stacks[number]
@@ -195,7 +210,11 @@ def _alike(belief: ProductBelief, number: int, reward: Factor) -> list[tuple[lis
     """Members whose local function is over the same variables, to be added up at once; ``None`` for all of them."""
     plan, members = belief.plan.stacks[number], belief.members[number]
     observed = {seen.name for seen in plan.seen}
-    mentioned = {v.name for f in (reward, *plan.stack.pattern.transition.values(), *plan.stack.pattern.likelihood.values()) for v in f.scope}
+    mentioned = {
+        v.name
+        for f in (reward, *plan.stack.pattern.transition.values(), *plan.stack.pattern.likelihood.values())
+        for v in f.scope
+    }
     if not members:
         return []
     if not (plan.stack.own - observed) & mentioned:
@@ -205,11 +224,15 @@ def _alike(belief: ProductBelief, number: int, reward: Factor) -> list[tuple[lis
 
 def _needed(reward: Factor, likelihoods: Mapping[str, Factor]) -> list[Factor]:
     """Distributions of the observations that a reward reads."""
-    return [factor for name, factor in likelihoods.items() if name in reward.names or f"{name}.next" in reward.names and name not in factor.names]
+    return [
+        factor
+        for name, factor in likelihoods.items()
+        if name in reward.names or f"{name}.next" in reward.names and name not in factor.names
+    ]
 
 
 def _weights(
-    array: np.ndarray[Any, Any], columns: list[int] | None, plan: StackPlan, keep: Sequence[Variable], after: bool = False
+    array: np.ndarray, columns: list[int] | None, plan: StackPlan, keep: Sequence[Variable], after: bool = False
 ) -> DenseFactor:
     mass = array.sum(axis=1) if columns is None else array[:, columns].sum(axis=1)
     scope = tuple(variable.next for variable in plan.variables) if after else plan.variables

@@ -77,7 +77,9 @@ class JointMyopic:
         tied = [action for action, value in values.items() if value >= best - _TIE * max(1.0, abs(best))]
         kept = [sum(prefer.get(n) == v for n, v in action) for action in tied] if prefer else [0] * len(tied)
         chosen = tied[int(np.argmax(kept))]
-        return Decision(dict(chosen), values[chosen], best, f"enumeration of {len(values):,} joint actions, joint belief")
+        return Decision(
+            dict(chosen), values[chosen], best, f"enumeration of {len(values):,} joint actions, joint belief"
+        )
 
     def value(self, belief: JointBelief, action: Mapping[str, Value]) -> float:
         """V(B, A) of eq:policy2, plus the part of the reward that reads the current state."""
@@ -99,9 +101,9 @@ class JointMyopic:
                 total += expected * probability
         return total
 
-    def _columns(self, action: Mapping[str, Value], after: list[Any]) -> dict[str, dict[Value, np.ndarray[Any, Any]]]:
+    def _columns(self, action: Mapping[str, Value], after: list[Any]) -> dict[str, dict[Value, np.ndarray]]:
         """``P(z | S')`` for every observation variable and value, as arrays that broadcast over joint next states."""
-        columns: dict[str, dict[Value, np.ndarray[Any, Any]]] = {}
+        columns: dict[str, dict[Value, np.ndarray]] = {}
         for variable in self.model.observations:
             table = self.observation[variable.name].condition(action)
             columns[variable.name] = {v: table.condition({variable.name: v}).array_over(after) for v in variable.values}
@@ -116,7 +118,9 @@ class JointMyopic:
         for reward in self.model.reward.values():
             if self._reads_current(reward):
                 needed = self._ancestors(reward)
-                total += float(contract([f.condition(action) for f in (belief.table, *needed, reward)], []).dense().array)
+                total += float(
+                    contract([f.condition(action) for f in (belief.table, *needed, reward)], []).dense().array
+                )
         return total
 
     def _ancestors(self, reward: Factor) -> list[Factor]:
@@ -125,7 +129,9 @@ class JointMyopic:
         waiting = [variable.name for variable in reward.scope]
         while waiting:
             name = waiting.pop()
-            factor = self.observation.get(name) or (self.model.transition[name[:-5]] if name.endswith(".next") else None)
+            factor = self.observation.get(name) or (
+                self.model.transition[name[:-5]] if name.endswith(".next") else None
+            )
             if factor is not None and name not in found:
                 found[name] = factor
                 waiting += [variable.name for variable in factor.scope if variable.name != name]
@@ -134,11 +140,15 @@ class JointMyopic:
     def _actions(self, belief: JointBelief) -> list[tuple[tuple[str, Value], ...]]:
         names = [variable.name for variable in self.model.actions]
         listed = [
-            tuple(zip(names, values, strict=True)) for values in itertools.product(*(v.values for v in self.model.actions))
+            tuple(zip(names, values, strict=True))
+            for values in itertools.product(*(v.values for v in self.model.actions))
         ]
         if not self.model.legal:
             return listed
         known = sorted({v.name for f in self.model.legal.values() for v in f.scope if v in self.model.states})
         support = belief.marginal(*known).sparse()
-        states = [{n: v.values[int(i)] for n, v, i in zip(known, support.scope, row, strict=True)} for row in support.coordinates]
+        states = [
+            {n: v.values[int(i)] for n, v, i in zip(known, support.scope, row, strict=True)}
+            for row in support.coordinates
+        ]
         return [action for action in listed if all(self.model.is_legal(dict(action), state) for state in states)]

@@ -7,7 +7,7 @@ import numpy as np
 from factored_pomdp.beliefs.joint import JointBelief
 from factored_pomdp.beliefs.plan import plan_of
 from factored_pomdp.beliefs.product import ProductBelief
-from factored_pomdp.contraction import contract
+from factored_pomdp.contraction import contract_ancestors
 from factored_pomdp.model import FactoredPOMDP
 
 __all__ = ["JointBelief", "ProductBelief", "initial_belief"]
@@ -42,12 +42,6 @@ def _certain(model: FactoredPOMDP, name: str) -> object:
 
 
 def _start(model: FactoredPOMDP, names: list[str]) -> np.ndarray:
-    """Initial probabilities of some state variables, from those initial factors that they depend on."""
-    needed, waiting = {}, list(names)
-    while waiting:
-        name = waiting.pop()
-        if name not in needed:
-            needed[name] = model.initial[name]
-            waiting += [variable.name for variable in model.initial[name].scope]
+    """Initial probabilities of some state variables."""
     scope = [model.variable(name) for name in names]
-    return np.broadcast_to(contract(needed.values(), scope).array_over(scope), [variable.size for variable in scope])
+    return contract_ancestors(model.initial, scope).array_over(scope)

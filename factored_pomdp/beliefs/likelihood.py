@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -19,7 +19,7 @@ class Likelihood(Protocol):
     hidden: tuple[Variable, ...]
     rest: tuple[Variable, ...]
 
-    def columns(self, seen: np.ndarray[Any, Any], assignment: Mapping[str, Value]) -> np.ndarray[Any, Any]:
+    def columns(self, seen: np.ndarray, assignment: Mapping[str, Value]) -> np.ndarray:
         """(hidden assignments, members) likelihoods of the values ``seen`` (members,); negative: not looked at."""
 
 
@@ -29,9 +29,9 @@ class _Table:
     def __init__(self, factor: Factor, child: Variable, hidden: tuple[Variable, ...]) -> None:
         self._factor, self._child, self.hidden = factor, child, hidden
         self.rest = tuple(variable for variable in factor.scope if variable != child and variable not in hidden)
-        self._tables: dict[tuple[Value, ...], np.ndarray[Any, Any]] = {}
+        self._tables: dict[tuple[Value, ...], np.ndarray] = {}
 
-    def columns(self, seen: np.ndarray[Any, Any], assignment: Mapping[str, Value]) -> np.ndarray[Any, Any]:
+    def columns(self, seen: np.ndarray, assignment: Mapping[str, Value]) -> np.ndarray:
         key = tuple(assignment[variable.name] for variable in self.rest)
         for variable, value in zip(self.rest, key, strict=True):
             if value is None:
@@ -60,7 +60,7 @@ class _NoisyOr:
         self._emission_of = np.array([position[id(cause.emission)] for cause in factor.causes], np.int64)
         self._contexts = count(factor.context)
 
-    def columns(self, seen: np.ndarray[Any, Any], assignment: Mapping[str, Value]) -> np.ndarray[Any, Any]:
+    def columns(self, seen: np.ndarray, assignment: Mapping[str, Value]) -> np.ndarray:
         from factored_pomdp.beliefs.kernels import noisy_or_columns
 
         activation = np.zeros((len(self._factor.causes), self._contexts))

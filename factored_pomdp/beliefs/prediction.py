@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import reduce
-from typing import Any
 
 import numpy as np
 
@@ -25,12 +24,12 @@ __all__ = ["Operator", "Prediction"]
 class Operator:
     """A sparse linear map between belief arrays, rows in CSR form."""
 
-    indptr: np.ndarray[Any, Any]
-    indices: np.ndarray[Any, Any]
-    data: np.ndarray[Any, Any]
+    indptr: np.ndarray
+    indices: np.ndarray
+    data: np.ndarray
     states: int
 
-    def apply(self, column: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    def apply(self, column: np.ndarray) -> np.ndarray:
         """Map (states in, members) to (states out, members)."""
         from factored_pomdp.beliefs.kernels import apply_operator
 
@@ -62,7 +61,7 @@ class Prediction:
             self._compiled[key] = _compile(self.block, dict(zip((v.name for v in self.context), key, strict=True)))
         return self._compiled[key]
 
-    def apply(self, array: np.ndarray[Any, Any], assignment: Mapping[str, Value]) -> np.ndarray[Any, Any]:
+    def apply(self, array: np.ndarray, assignment: Mapping[str, Value]) -> np.ndarray:
         """Predicted (states, members) of current (states, members)."""
         return reduce(lambda column, operator: operator.apply(column), self.operators(assignment), array)
 

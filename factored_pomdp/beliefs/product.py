@@ -161,14 +161,14 @@ class ProductBelief:
     def _conditioned(
         self,
         plan: StackPlan,
-        array: np.ndarray[Any, Any],
+        array: np.ndarray,
         members: tuple[Names, ...],
         observation: Mapping[str, Value],
         actual: Mapping[str, Value],
         restart: Restart | None,
         reasons: list[str],
         looked_at: set[str],
-    ) -> np.ndarray[Any, Any]:
+    ) -> np.ndarray:
         from factored_pomdp.beliefs.kernels import reweigh
 
         action = self.action or {}
@@ -200,10 +200,10 @@ class ProductBelief:
         self,
         plan: StackPlan,
         seen: Any,
-        values: np.ndarray[Any, Any],
+        values: np.ndarray,
         given: Mapping[str, Value],
         members: tuple[Names, ...],
-    ) -> np.ndarray[Any, Any]:
+    ) -> np.ndarray:
         rest = [variable.name for variable in seen.likelihood.rest]
         if not any(name in plan.stack.own for name in rest):
             return np.asarray(seen.likelihood.columns(values, given))
@@ -297,12 +297,12 @@ class ProductBelief:
         members[stack] = members[stack][:column] + members[stack][column + 1 :]
         return replace(self, arrays=tuple(arrays), members=tuple(members), _predictions={})
 
-    def with_arrays(self, arrays: Iterable[np.ndarray[Any, Any]], known: Mapping[str, Value] | None = None) -> ProductBelief:
+    def with_arrays(self, arrays: Iterable[np.ndarray], known: Mapping[str, Value] | None = None) -> ProductBelief:
         """The same blocks with other probabilities, (states, members) for each stack, and perhaps other known values."""
         fresh = tuple(np.ascontiguousarray(array, dtype=float) for array in arrays)
         return replace(self, arrays=fresh, known=dict(known if known is not None else self.known), _predictions={})
 
-    def _find(self, name: str) -> tuple[StackPlan, np.ndarray[Any, Any], int, Names]:
+    def _find(self, name: str) -> tuple[StackPlan, np.ndarray, int, Names]:
         for plan, array, members in zip(self.plan.stacks, self.arrays, self.members, strict=True):
             for column, names in enumerate(members):
                 if any(names[variable.name] == name for variable in plan.variables):

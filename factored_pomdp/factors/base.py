@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -72,8 +72,8 @@ class Factor(ABC):
         """Largest value over some variables of the scope."""
         return self.dense().maximise(*variables)
 
-    def substituted(self, variable: Variable, by: Variable, indexes: np.ndarray[Any, Any]) -> Factor:
-        """The factor with ``variable`` replaced by a function of ``by``: value ``k`` of ``by`` stands for ``indexes[k]``."""
+    def substituted(self, variable: Variable, by: Variable, indexes: np.ndarray) -> Factor:
+        """The factor with ``variable`` replaced by a function of ``by``: its value ``k`` stands for ``indexes[k]``."""
         return self.dense().substituted(variable, by, indexes)
 
     @property
@@ -100,7 +100,7 @@ class Factor(ABC):
                 return variable
         raise ValueError(f"no variable {name!r} in the scope{did_you_mean(name, self.names)}")
 
-    def array_over(self, scope: Iterable[Variable]) -> np.ndarray[Any, Any]:
+    def array_over(self, scope: Iterable[Variable]) -> np.ndarray:
         """The table with its axes in a given order; variables outside of the factor's scope get a broadcast axis."""
         dense = self.dense()
         order = [variable for variable in scope]
@@ -120,7 +120,7 @@ class Factor(ABC):
         return f"{type(self).__name__}({', '.join(self.names)}; {self.stored} stored)"
 
 
-def address(array: np.ndarray[Any, Any]) -> tuple[int, ...]:
+def address(array: np.ndarray) -> tuple[int, ...]:
     """Where an array's numbers lie in memory, and the steps between them (a transpose begins at the same place)."""
     return (int(array.__array_interface__["data"][0]), *array.strides)
 

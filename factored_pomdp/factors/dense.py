@@ -69,7 +69,7 @@ class DenseFactor(Factor):
     def maximise(self, *variables: Variable) -> DenseFactor:
         return DenseFactor(self._without(variables), self.array.max(axis=self._axes(variables)))
 
-    def substituted(self, variable: Variable, by: Variable, indexes: np.ndarray[Any, Any]) -> DenseFactor:
+    def substituted(self, variable: Variable, by: Variable, indexes: np.ndarray) -> DenseFactor:
         axis = self.scope.index(variable)
         if by not in self.scope:
             scope = (*self.scope[:axis], by, *self.scope[axis + 1 :])

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -33,8 +32,8 @@ class WeightedCause:
     """
 
     variable: Variable | None
-    activation: np.ndarray[Any, Any]
-    payoff: np.ndarray[Any, Any]
+    activation: np.ndarray
+    payoff: np.ndarray
 
 
 class ExpectedNoisyOr(Factor):
@@ -50,15 +49,13 @@ class ExpectedNoisyOr(Factor):
     off_payoff : (contexts,) float
     """
 
-    def __init__(
-        self, weights: np.ndarray[Any, Any], causes: Sequence[WeightedCause], off_payoff: np.ndarray[Any, Any]
-    ) -> None:
+    def __init__(self, weights: np.ndarray, causes: Sequence[WeightedCause], off_payoff: np.ndarray) -> None:
         self.weights, self.causes, self.off_payoff = weights, tuple(causes), off_payoff
-        self._unweighted: dict[str, np.ndarray[Any, Any]] = {}
+        self._unweighted: dict[str, np.ndarray] = {}
         self.scope = tuple(dict.fromkeys(cause.variable for cause in causes if cause.variable is not None))
 
     @classmethod
-    def of(cls, table: NoisyOr, weights: np.ndarray[Any, Any], payoff: np.ndarray[Any, Any]) -> ExpectedNoisyOr:
+    def of(cls, table: NoisyOr, weights: np.ndarray, payoff: np.ndarray) -> ExpectedNoisyOr:
         """Expectation of ``payoff`` (contexts or 1, child values) under ``table`` with weights (contexts,)."""
         contexts = weights.shape[0]
         full = np.broadcast_to(payoff, (contexts, table.child.size))
@@ -73,7 +70,7 @@ class ExpectedNoisyOr(Factor):
         ]
         return cls(weights, causes, full[:, table.off_index])
 
-    def with_weights(self, weights: np.ndarray[Any, Any]) -> ExpectedNoisyOr:
+    def with_weights(self, weights: np.ndarray) -> ExpectedNoisyOr:
         """The same payoff under other weights; what was worked out without the weights is shared."""
         other = ExpectedNoisyOr(weights, self.causes, self.off_payoff)
         other._unweighted = self._unweighted
@@ -111,13 +108,13 @@ class ExpectedNoisyOr(Factor):
         ]
         return ExpectedNoisyOr(self.weights, causes, self.off_payoff)
 
-    def substituted(self, variable: Variable, by: Variable, indexes: np.ndarray[Any, Any]) -> ExpectedNoisyOr:
+    def substituted(self, variable: Variable, by: Variable, indexes: np.ndarray) -> ExpectedNoisyOr:
         causes = [
             WeightedCause(by, c.activation[indexes], c.payoff) if c.variable == variable else c for c in self.causes
         ]
         return ExpectedNoisyOr(self.weights, causes, self.off_payoff)
 
-    def fold(self) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    def fold(self) -> tuple[np.ndarray, np.ndarray]:
         """Expected payoff before anything is silent, and silence, as (joint cause values, contexts) arrays each.
 
         Joint values are in row-major order of `scope`. Multiplied out, so meant for few causes at a time.

@@ -34,7 +34,7 @@ class Cause:
     """
 
     variable: Variable | None
-    activation: np.ndarray[Any, Any]
+    activation: np.ndarray
     emission: Any
 
 
@@ -184,6 +184,6 @@ class NoisyOr(Factor):
         return super().marginalise(*variables)
 
 
-def _arrays(emission: Any) -> tuple[np.ndarray[Any, Any], ...]:
+def _arrays(emission: Any) -> tuple[np.ndarray, ...]:
     """The arrays of a compressed sparse table; two tables may share some of them."""
     return emission.data, emission.indices, emission.indptr

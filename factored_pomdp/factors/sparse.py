@@ -61,7 +61,7 @@ class SparseFactor(Factor):
         axes = [axis for axis, variable in enumerate(self.scope) if variable.name not in assignment]
         return SparseFactor([self.scope[a] for a in axes], self.coordinates[kept][:, axes], self.numbers[kept])
 
-    def flat(self, variables: Iterable[Variable]) -> np.ndarray[Any, Any]:
+    def flat(self, variables: Iterable[Variable]) -> np.ndarray:
         """Row-major position of every entry within the table over some variables of the scope."""
         listed = tuple(variables)
         if count(listed) > np.iinfo(np.int64).max:
@@ -101,7 +101,7 @@ class SparseFactor(Factor):
         return SparseFactor(scope, coordinates, self.numbers[left] * right.numbers[rows])
 
 
-def unflatten(keys: np.ndarray[Any, Any], scope: tuple[Variable, ...]) -> np.ndarray[Any, Any]:
+def unflatten(keys: np.ndarray, scope: tuple[Variable, ...]) -> np.ndarray:
     """Coordinates of row-major positions; inverse of `SparseFactor.flat`."""
     if not scope:
         return np.zeros((len(keys), 0), dtype=np.int64)

@@ -7,7 +7,6 @@ multiplied out in two halves and joined by one matrix product.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -35,7 +34,7 @@ def enumerate_all(
     return Decision(action, float(total[index]), best, f"enumeration of {total.size:,} joint actions")
 
 
-def _most_kept(tied: np.ndarray[Any, Any], actions: Sequence[Variable], prefer: Mapping[str, Value]) -> int:
+def _most_kept(tied: np.ndarray, actions: Sequence[Variable], prefer: Mapping[str, Value]) -> int:
     kept = np.zeros(len(tied))
     for variable, index in zip(actions, np.unravel_index(tied, [v.size for v in actions]), strict=True):
         if prefer.get(variable.name) in variable.values:

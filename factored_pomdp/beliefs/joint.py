@@ -13,7 +13,7 @@ from factored_pomdp.errors import ImpossibleObservation
 from factored_pomdp.factors import DenseFactor, Factor
 from factored_pomdp.factors.dense import constant
 from factored_pomdp.model import FactoredPOMDP
-from factored_pomdp.variables import Value
+from factored_pomdp.variables import Value, Variable
 
 __all__ = ["JointBelief"]
 
@@ -78,14 +78,22 @@ class JointBelief:
         table = self.table
         for name, value in (known or {}).items():
             if value is not None:
-                variable = self.model.variable(name)
-                certain = DenseFactor([variable], [float(v == value) for v in variable.values])
-                table = table.marginalise(variable).product(certain)
+                table = self._read(table, self.model.variable(name), value)
         table = table.product(self.likelihood(observed, known))
         total = _total(table)
         if not total > 0:
             raise ImpossibleObservation([v.name for v in self.model.states], dict(self.action or {}), observed)
         return replace(self, table=table.product(constant(1 / total)))
+
+    def _read(self, table: Factor, variable: Variable, value: Value) -> Factor:
+        """The table where a variable was read back; a value other than the only one that was planned replaces it."""
+        certain = DenseFactor([variable], [float(v == value) for v in variable.values])
+        evidence = table.product(certain)
+        if _total(evidence) > 0:
+            return evidence
+        if (self.marginal(variable.name).array > 0).sum() > 1:
+            raise ImpossibleObservation([variable.name], dict(self.action or {}), {variable.name: value})
+        return table.marginalise(variable).product(certain)
 
     def probability(self, observation: Any) -> float:
         """``P(Z | B, A)`` of a predicted belief."""

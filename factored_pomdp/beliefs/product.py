@@ -6,8 +6,9 @@ once a stack, times its members; memory: one number for each state and member.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,14 +17,17 @@ from jaxtyping import Float
 from factored_pomdp.beliefs.plan import Plan, StackPlan
 from factored_pomdp.errors import ImpossibleObservation, did_you_mean
 from factored_pomdp.factors import DenseFactor, DeterministicFactor
-from factored_pomdp.variables import Value
+from factored_pomdp.variables import Value, Variable
 
 __all__ = ["ProductBelief", "Restart"]
 
 Restart = Callable[[tuple[str, ...], "Float[np.ndarray, '...']", Mapping[str, Value], Mapping[str, Value]], Any]
-"""``restart(block, predicted, observation, known)`` gives the new belief (the block's shape) of a contradicted block."""
+"""``restart(block, predicted, observation, known)`` gives a contradicted block its new belief, of the block's shape."""
 
 Names = dict[str, str]
+
+_Finding = tuple[list[str], Mapping[str, Value], np.ndarray, np.ndarray]
+"""The members' own names of what was looked at, its values, each state's row in the likelihood, the likelihood."""
 
 _MOST_MOVES = 10_000
 
@@ -67,6 +71,17 @@ class ProductBelief:
             for plan, members in zip(self.plan.stacks, self.members, strict=True)
             for names in members
         )
+
+    @cached_property
+    def _places(self) -> dict[str, tuple[int, int]]:
+        """Stack and column of every hidden variable."""
+        stacks = enumerate(zip(self.plan.stacks, self.members, strict=True))
+        return {
+            names[variable.name]: (number, column)
+            for number, (plan, members) in stacks
+            for column, names in enumerate(members)
+            for variable in plan.variables
+        }
 
     def predict(self, action: Any) -> ProductBelief:
         """The belief after an action and before its observation (the sum in eq:belup2)."""
@@ -132,7 +147,7 @@ class ProductBelief:
             Observation variables that are left out were not looked at.
         known : mapping, optional
             Read-back values; they replace the planned ones. ``None`` for one that could not be read: it then says
-            nothing (possible where it is a cause of a noisy-or).
+            nothing (possible where it is a cause of a noisy-or). A hidden variable's value is evidence about its block.
         restart : callable, optional
             Gives a new belief to a block for which the observation is impossible.
 
@@ -146,51 +161,69 @@ class ProductBelief:
             observation = {}
         elif not isinstance(observation, Mapping):
             observation = model.observed(observation)
-        actual = self._actual(known or {}, observation)
+        known = known or {}
+        hidden = {name: value for name, value in known.items() if name in self._places and value is not None}
+        actual = self._actual({n: v for n, v in known.items() if n not in self._places}, observation)
+        self._refuse_unknown(observation)
         reasons = list(self.approximations)
         arrays = []
-        looked_at: set[str] = set()
         for plan, array, members in zip(self.plan.stacks, self.arrays, self.members, strict=True):
-            arrays.append(self._conditioned(plan, array, members, observation, actual, restart, reasons, looked_at))
-        self._refuse_unknown(observation, looked_at)
+            findings = self._findings(plan, members, observation, actual, hidden)
+            arrays.append(self._conditioned(plan, array, members, findings, (observation, actual), restart, reasons))
         after = replace(
             self, known=actual, arrays=tuple(arrays), approximations=tuple(dict.fromkeys(reasons)), _predictions={}
         )
         return after._projected() if self.project else after
+
+    def _findings(
+        self,
+        plan: StackPlan,
+        members: tuple[Names, ...],
+        observation: Mapping[str, Value],
+        actual: Mapping[str, Value],
+        hidden: Mapping[str, Value],
+    ) -> Iterator[_Finding]:
+        """What was observed of a stack, what was newly read of the known variables that it moves, and of its own."""
+        before = self.before if self.before is not None else self.known
+        given = {**before, **(self.action or {}), **{f"{name}.next": value for name, value in actual.items()}}
+        newly = {name: value for name, value in actual.items() if self.known.get(name) is None}
+        for seen in plan.seen:
+            own = [names.get(seen.child.name, seen.child.name) for names in members]
+            shown = observation
+            if seen.child.is_next:
+                own, shown = [name.removesuffix(".next") for name in own], newly
+            values = _positions(seen.child, own, shown)
+            if not (values < 0).all():
+                yield own, shown, seen.context, self._columns(plan, seen, values, given, members)
+        for axis, variable in enumerate(plan.variables if hidden else ()):
+            own = [names[variable.name] for names in members]
+            values = _positions(variable, own, hidden)
+            certain = np.concatenate([np.eye(variable.size), np.ones((variable.size, 1))], axis=1)
+            yield own, hidden, np.indices(plan.shape)[axis].ravel(), np.ascontiguousarray(certain[:, values])
 
     def _conditioned(
         self,
         plan: StackPlan,
         array: np.ndarray,
         members: tuple[Names, ...],
-        observation: Mapping[str, Value],
-        actual: Mapping[str, Value],
+        findings: Iterable[_Finding],
+        told: tuple[Mapping[str, Value], Mapping[str, Value]],
         restart: Restart | None,
         reasons: list[str],
-        looked_at: set[str],
     ) -> np.ndarray:
         from factored_pomdp.beliefs.kernels import reweigh
 
-        action = self.action or {}
-        before = self.before if self.before is not None else self.known
-        given = {**before, **action, **{f"{name}.next": value for name, value in actual.items()}}
         predicted = array
-        for seen in plan.seen:
-            own = [names.get(seen.name, seen.name) for names in members]
-            shown = actual if seen.child.is_next else observation
-            looked_at.update(own)
-            index = seen.child.index
-            values = np.array([index(shown[n]) if shown.get(n) is not None else -1 for n in own], dtype=np.int64)
-            if (values < 0).all():
-                continue
-            likelihood = self._columns(plan, seen, values, given, members)
+        for own, shown, context, likelihood in findings:
             result, sums = np.empty_like(array), np.empty(len(members))
-            reweigh(array, seen.context, likelihood, result, sums)
+            reweigh(array, context, likelihood, result, sums)
             for column in np.flatnonzero(~(sums > 0)):
                 block = tuple(members[column][variable.name] for variable in plan.variables)
                 if restart is None:
-                    raise ImpossibleObservation(block, dict(action), {own[column]: shown[own[column]]})
-                fresh = np.asarray(restart(block, predicted[:, column].reshape(plan.shape), observation, actual), float)
+                    raise ImpossibleObservation(block, dict(self.action or {}), {own[column]: shown[own[column]]})
+                fresh = np.asarray(restart(block, predicted[:, column].reshape(plan.shape), *told), float)
+                if not fresh.sum() > 0:
+                    raise ValueError(f"restart of block [{', '.join(block)}] gave a belief without mass")
                 result[:, column] = fresh.ravel() / fresh.sum()
                 reasons.append(f"restarted: {', '.join(block)}")
             array = result
@@ -218,21 +251,35 @@ class ProductBelief:
         actual = dict(self.known)
         for name, value in known.items():
             if name not in actual:
-                raise ValueError(f"no known variable {name!r}{did_you_mean(name, actual)}")
+                names = [*actual, *(n for block in self.blocks for n in block)]
+                raise ValueError(f"no state variable {name!r}{did_you_mean(name, names)}")
             if value is not None:
                 structure.model.variable(name).index(value)
             actual[name] = value
         for name, seen in structure.shown_by.items():
             if name not in known and observation.get(seen) is not None:
-                factor = structure.model.observation[seen]
-                at = {**(self.action or {}), **{f"{n}.next": v for n, v in actual.items() if n != name}}
-                at = {k: v for k, v in at.items() if v is not None} | {seen: observation[seen]}
-                line = factor.condition(at).array_over([structure.model.variable(f"{name}.next")]).ravel()
-                actual[name] = structure.model.variable(name).values[int(line.argmax())]
+                actual[name] = self._shown(name, seen, observation[seen], actual)
         return actual
 
-    def _refuse_unknown(self, observation: Mapping[str, Value], looked_at: set[str]) -> None:
-        names = {variable.name for variable in self.plan.structure.model.observations} | looked_at
+    def _shown(self, name: str, seen: str, value: Value, actual: Mapping[str, Value]) -> Value | None:
+        """The value of a known variable that an observation shows, everything else that it reads being told."""
+        model = self.plan.structure.model
+        after, factor = model.variable(f"{name}.next"), model.observation[seen]
+        others = {v.name: actual[v.now.name] for v in factor.scope if v != after and v.now.name in actual}
+        if None in others.values():
+            return None
+        line = factor.condition({**(self.action or {}), **others, seen: value})
+        idle = [variable for variable in line.scope if variable != after]
+        possible = (line.marginalise(*idle) if idle else line).array_over([after])
+        if not possible.max() > 0:
+            raise ImpossibleObservation([name], dict(self.action or {}), {seen: value})
+        return after.values[int(possible.argmax())]
+
+    def _refuse_unknown(self, observation: Mapping[str, Value]) -> None:
+        names = {variable.name for variable in self.plan.structure.model.observations}
+        if not names.issuperset(observation):
+            stacks = zip(self.plan.stacks, self.members, strict=True)
+            names |= {own.get(s.name, s.name) for plan, members in stacks for s in plan.seen for own in members}
         for name in observation:
             if name not in names:
                 raise ValueError(f"no observation variable {name!r}{did_you_mean(name, names)}")
@@ -275,12 +322,19 @@ class ProductBelief:
         distribution : array_like
             Shape: the block's variables' sizes; normalised here.
         """
-        plan, array, _, existing = self._find(next(name for name in names if any(name in b for b in self.blocks)))
+        inside = [name for name in names if name in self._places]
+        if not inside:
+            raise ValueError(f"none of {', '.join(names)} is in the belief; name the variables of a block that is there")
+        plan, array, _, existing = self._find(inside[0])
         stack = self.plan.stacks.index(plan)
         fresh = {pattern: names.get(own, own) for pattern, own in existing.items()}
         twins = {fresh[v.name] for v in plan.variables} & {n for block in self.blocks for n in block}
         if twins:
             raise ValueError(f"{', '.join(sorted(twins))} is in the belief already")
+        observed = [seen.name for seen in plan.seen if not seen.child.is_next]
+        same = [existing.get(name, name) for name in observed if fresh.get(name, name) == existing.get(name, name)]
+        if same:
+            raise ValueError(f"the new block needs observation variables of its own in place of {', '.join(same)}")
         fresh |= {variable.next.name: f"{fresh[variable.name]}.next" for variable in plan.variables}
         column = np.asarray(distribution, dtype=float).reshape(-1, 1)
         arrays, members = list(self.arrays), list(self.members)
@@ -298,16 +352,20 @@ class ProductBelief:
         return replace(self, arrays=tuple(arrays), members=tuple(members), _predictions={})
 
     def with_arrays(self, arrays: Iterable[np.ndarray], known: Mapping[str, Value] | None = None) -> ProductBelief:
-        """The same blocks with other probabilities, (states, members) for each stack, and perhaps other known values."""
+        """The same blocks with other probabilities, (states, members) a stack, and perhaps other known values."""
         fresh = tuple(np.ascontiguousarray(array, dtype=float) for array in arrays)
         return replace(self, arrays=fresh, known=dict(known if known is not None else self.known), _predictions={})
 
     def _find(self, name: str) -> tuple[StackPlan, np.ndarray, int, Names]:
-        for plan, array, members in zip(self.plan.stacks, self.arrays, self.members, strict=True):
-            for column, names in enumerate(members):
-                if any(names[variable.name] == name for variable in plan.variables):
-                    return plan, array, column, names
-        raise ValueError(f"no hidden variable {name!r}{did_you_mean(name, (n for b in self.blocks for n in b))}")
+        if name not in self._places:
+            raise ValueError(f"no hidden variable {name!r}{did_you_mean(name, self._places)}")
+        stack, column = self._places[name]
+        return self.plan.stacks[stack], self.arrays[stack], column, self.members[stack][column]
+
+
+def _positions(child: Variable, own: list[str], shown: Mapping[str, Value]) -> np.ndarray:
+    """For each member the position of the value that its own variable showed; -1 where it was not looked at."""
+    return np.array([child.index(shown[n]) if shown.get(n) is not None else -1 for n in own], dtype=np.int64)
 
 
 def _result(function: Any, child: str, at: Mapping[str, Value]) -> Value:

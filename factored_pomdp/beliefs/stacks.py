@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from factored_pomdp.factors import DenseFactor, DeterministicFactor, Factor, NoisyOr, SparseFactor
 from factored_pomdp.structure import Block
+from factored_pomdp.variables import Value, Variable
 
 __all__ = ["Stack", "stacks_of"]
 
@@ -37,9 +38,10 @@ def stacks_of(blocks: Iterable[Block]) -> tuple[Stack, ...]:
     listed = list(blocks)
     mentions = Counter(name for block in listed for name in _mentioned(block))
     digests: dict[tuple[int, ...], tuple[Factor, bytes]] = {}
+    kinds = _Kinds()
     found: dict[tuple[object, ...], list[tuple[Block, list[str]]]] = {}
     for block in listed:
-        signature, names = _signature(block, mentions, digests)
+        signature, names = _signature(block, mentions, digests, kinds)
         found.setdefault(signature, []).append((block, names))
     stacks = []
     for members in found.values():
@@ -63,21 +65,36 @@ def _mentioned(block: Block) -> set[str]:
     return {name for _, factor in _factors(block) for name in factor.names} | {v.name for v in block.variables}
 
 
+class _Kinds:
+    """Numbers the lists of values that there are, each looked at once."""
+
+    def __init__(self) -> None:
+        self._kinds: dict[tuple[Value, ...], int] = {}
+        self._seen: dict[int, int] = {}
+
+    def of(self, variable: Variable) -> int:
+        """Equal for variables with the same values."""
+        key = id(variable.values)
+        if key not in self._seen:
+            self._seen[key] = self._kinds.setdefault(variable.values, len(self._kinds))
+        return self._seen[key]
+
+
 def _signature(
-    block: Block, mentions: Counter[str], digests: dict[tuple[int, ...], tuple[Factor, bytes]]
+    block: Block, mentions: Counter[str], digests: dict[tuple[int, ...], tuple[Factor, bytes]], kinds: _Kinds
 ) -> tuple[tuple[object, ...], list[str]]:
     """What two blocks must share to be stacked, and the block's own names in order of first appearance."""
     own: dict[str, int] = {}
     for variable in block.variables:
         own[variable.name] = len(own)
         own[variable.next.name] = len(own)
-    parts: list[object] = [tuple(variable.size for variable in block.variables)]
+    parts: list[object] = [tuple(kinds.of(variable) for variable in block.variables)]
     for kind, factor in _factors(block):
         labels: list[object] = []
         for variable in factor.scope:
             if variable.name not in own and mentions[variable.name] == 1:
                 own[variable.name] = len(own)
-            labels.append((own.get(variable.name, variable.name), variable.size))
+            labels.append((own.get(variable.name, variable.name), kinds.of(variable)))
         parts.append((kind, tuple(labels), _digest(factor, digests)))
     return tuple(parts), list(own)
 
@@ -95,7 +112,9 @@ def _digest(factor: Factor, known: dict[tuple[int, ...], tuple[Factor, bytes]]) 
         elif isinstance(factor, DeterministicFactor):
             found.update(factor.indexes.tobytes())
         elif isinstance(factor, NoisyOr):
-            found.update(repr((factor.off_index, [cause.activation.shape for cause in factor.causes])).encode())
+            found.update(
+                repr((factor.off_index, [(c.variable is None, c.activation.shape) for c in factor.causes])).encode()
+            )
             for cause in factor.causes:
                 table = cause.emission.tocsr()
                 for array in (cause.activation, table.indptr, table.indices, table.data):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from factored_pomdp.variables import Value, Variable, count
 __all__ = ["Likelihood", "likelihood_of"]
 
 
+@runtime_checkable
 class Likelihood(Protocol):
     """``P(seen | hidden, rest)`` in columns."""
 

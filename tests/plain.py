@@ -23,8 +23,11 @@ class PlainModel:
         self.states = _assignments(model.states)
         self.actions = _assignments(model.actions)
         self.observations = _assignments(model.observations)
-        self._tables = {id(f): _table(f) for part in (model.initial, model.transition, model.observation, model.reward)
-                        for f in part.values()}
+        self._tables = {
+            id(f): _table(f)
+            for part in (model.initial, model.transition, model.observation, model.reward)
+            for f in part.values()
+        }
 
     def number(self, factor: Factor, given: Assignment) -> float:
         return self._tables[id(factor)][tuple(given[name] for name in factor.names)]
@@ -60,7 +63,9 @@ class PlainModel:
 
     def predict(self, belief: list[float], action: Assignment) -> list[float]:
         return [
-            sum(mass * self.moves(state, action, after) for mass, state in zip(belief, self.states, strict=True) if mass)
+            sum(
+                mass * self.moves(state, action, after) for mass, state in zip(belief, self.states, strict=True) if mass
+            )
             for after in self.states
         ]
 

@@ -71,7 +71,9 @@ def test_a_noisy_or_of_thirty_causes_and_a_sparse_walk_are_drawn() -> None:
     walk = SparseFactor([cells, cells.next], np.stack([steps, (steps + 1) % 3000], axis=1), np.ones(3000))
     never, sure = np.zeros((2, 1)), np.array([[0.0], [1.0]])
     seen = fp.Variable("seen", ["no", "yes"])
-    causes = [fp.Cause(bit.next, sure if k == 29 else never, sparse.csr_array([[0.0, 1.0]])) for k, bit in enumerate(bits)]
+    causes = [
+        fp.Cause(bit.next, sure if k == 29 else never, sparse.csr_array([[0.0, 1.0]])) for k, bit in enumerate(bits)
+    ]
     model = fp.FactoredPOMDP(
         states=[cells, *bits],
         actions=[fp.Variable("act", ["wait"])],

@@ -102,8 +102,8 @@ class _Search:
             for one, two in itertools.product((0, 1), repeat=2):
                 changed = dict(belief)
                 for name in (*first, *second):
-                    values = list(belief[name])
-                    pick = values[min(one if name in first else two, len(values) - 1)]
+                    ends_of = list(belief[name])
+                    pick = ends_of[min(one if name in first else two, len(ends_of) - 1)]
                     changed[name] = {pick: 1.0}
                 numbers[one, two] = self._expected(changed, context)
             mixed = numbers[0, 0] + numbers[1, 1] - numbers[0, 1] - numbers[1, 0]
@@ -236,10 +236,9 @@ class _Search:
         """Possible next values of the known variables that are left to chance, but not to hidden variables."""
         given, read = self._given(context), {}
         for name in self.structure.known:
-            if name not in self.structure.functions and name not in self.block.likelihood:
-                line = self.model.transition[name].condition(given).dense()
-                if len(line.scope) == 1:
-                    read[f"{name}.next"] = line.scope[0].values[int(line.array.argmax())]
+            if name not in self.structure.functions and f"{name}.next" in self.structure.laws:
+                line = self.structure.laws[f"{name}.next"].condition(given).dense()
+                read[f"{name}.next"] = line.scope[0].values[int(line.array.argmax())]
         return read
 
     def _shown(self, observed: Mapping[str, Value], given: Mapping[str, Value]) -> list[Factor]:
@@ -260,7 +259,9 @@ class _Search:
         """Expected value of the tying reward for one belief."""
         given = self._given(context)
         factors = [self._predicted(belief, context), self.join.table.condition(given)]
-        laws = {f"{name}.next": self.model.transition[name] for name in self.structure.known} | self.model.observation
+        laws = dict(self.structure.laws)
+        for name, factor in self.block.likelihood.items():
+            laws[name if name in self.model.observation else f"{name}.next"] = factor
         waiting, done = list(factors[1].names), set(given)
         while waiting:
             name = waiting.pop()

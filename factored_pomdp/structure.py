@@ -89,6 +89,8 @@ class Structure:
         Hidden variables in the smallest units that could have stayed apart.
     joins : tuple of Join
         What joined things into blocks.
+    laws : dict
+        Distributions that no hidden variable influences, of observations and of known variables' next values, by name.
     free_rewards : list of (name, Factor)
         Reward terms over known variables and actions alone.
     """
@@ -100,6 +102,7 @@ class Structure:
     blocks: tuple[Block, ...]
     things: tuple[tuple[str, ...], ...]
     joins: tuple[Join, ...]
+    laws: dict[str, Factor]
     free_rewards: list[tuple[str, Factor]]
 
 
@@ -138,7 +141,9 @@ class _Finder:
         blocks = self._blocks(roots, likelihoods, terms)
         order = tuple(variable.name for variable in self.model.states if variable.name in self.known)
         functions = {name: self.transition[name] for name in self.functions}
-        return Structure(self.model, order, functions, self.shown_by, blocks, self.things, tuple(joins), free)
+        laws = self.observation | {f"{name}.next": self.transition[name] for name in order}
+        laws = {name: table for name, table in laws.items() if not self._hidden(table)}
+        return Structure(self.model, order, functions, self.shown_by, blocks, self.things, tuple(joins), laws, free)
 
     def _known(self) -> tuple[set[str], list[str], dict[str, str]]:
         """The largest set of variables that can be told after a step if they were known before it."""

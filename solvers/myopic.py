@@ -18,7 +18,6 @@ import numpy as np
 from factored_pomdp.beliefs import ProductBelief, initial_belief
 from factored_pomdp.beliefs.plan import StackPlan, plan_of
 from factored_pomdp.contraction import contract
-from factored_pomdp.decomposition import decompose
 from factored_pomdp.factors import DenseFactor, ExpectedNoisyOr, Factor, NoisyOr, constant
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.variables import Value, Variable, count
@@ -28,6 +27,7 @@ from solvers.maximise import maximise
 __all__ = ["DecomposedMyopic"]
 
 _MOST_TEMPLATES = 1000
+_MOST_STATES = 20_000_000
 
 
 class DecomposedMyopic:
@@ -42,6 +42,9 @@ class DecomposedMyopic:
     summary = "one step ahead, block by block"
 
     def __init__(self, model: FactoredPOMDP) -> None:
+        ability = self.can_solve(model)
+        if not ability:
+            raise ValueError(f"{ability.because}; {ability.estimate}")
         self.model = model
         self.plan = plan_of(model)
         factors = [*model.transition.values(), *model.observation.values(), *model.reward.values()]
@@ -50,13 +53,17 @@ class DecomposedMyopic:
 
     @classmethod
     def can_solve(cls, model: FactoredPOMDP) -> Ability:
-        """Always; a model that does not fall apart is one large block, whose size the estimate tells."""
-        certificate = decompose(model, counterexamples=False)
-        largest = max((count(model.variable(n) for n in block) for block in certificate.blocks), default=1)
-        because = f"{len(certificate.blocks)} block(s), the largest with {largest:,} states"
-        if largest > 20_000_000:
-            return Ability(False, because + "; more than 20,000,000", f"{8 * largest:,} bytes a belief")
-        states = sum(count(model.variable(n) for n in block) for block in certificate.blocks)
+        """Yes, unless a block is too large (a model that does not fall apart is one), or what is legal is hidden."""
+        structure = plan_of(model).structure
+        sizes = [count(block.variables) for block in structure.blocks]
+        largest, states = max(sizes, default=1), sum(sizes)
+        because = f"{len(sizes)} block(s), the largest with {largest:,} states"
+        if largest > _MOST_STATES:
+            return Ability(False, f"{because}; more than {_MOST_STATES:,}", f"{8 * largest:,} bytes a belief")
+        hidden = {name for block in structure.blocks for name in block.names}
+        for name, factor in model.legal.items():
+            if read := sorted(hidden & set(factor.names)):
+                return Ability(False, f"legal values of {name} depend on the hidden {', '.join(read)}", "none")
         return Ability(
             True, because, f"{8 * states:,} bytes a belief; {model.joint_actions:,} joint actions to choose from"
         )
@@ -109,7 +116,9 @@ class DecomposedMyopic:
         """A local function of actions; a noisy-or's is made once for each set of known values, then only reweighed."""
         if key in self._templates:
             template, hidden = self._templates[key]
-            return template.with_weights(self._predicted(belief, number, columns, {}, hidden).array.ravel())
+            return template.with_weights(
+                self._predicted(belief, number, columns, {}, hidden).array_over(hidden).ravel()
+            )
         local = self._local(belief, number, columns, names, reward)
         function = self._of_actions(local, belief.known)
         hidden = self._reweighable(belief.plan.stacks[number], reward)
@@ -125,7 +134,7 @@ class DecomposedMyopic:
 
     def _reweighable(self, plan: StackPlan, reward: Factor) -> tuple[Variable, ...]:
         """The next variables whose predicted mass is all that a local function takes from the belief, if that is so."""
-        used = _needed(reward, {s.name: plan.stack.pattern.likelihood[s.name] for s in plan.seen})
+        used = _needed(reward, plan)
         actions = any(variable in self.model.actions for variable in plan.prediction.context)
         if (
             actions
@@ -141,15 +150,12 @@ class DecomposedMyopic:
         """One reward term of some members of a stack, over actions and known variables' next values."""
         plan = belief.plan.stacks[number]
         rename = {old: new for old, new in names.items() if old in plan.stack.own}
-        given = {_pattern(rename, name): value for name, value in belief.known.items()}
-        pattern = plan.stack.pattern
-        seen = {s.name: pattern.likelihood[s.name] for s in plan.seen}
-        used = _needed(reward, seen)
+        used = _needed(reward, plan)
         inner_now = [v for v in plan.variables if any(v in factor.scope for factor in (reward, *used))]
-        factors = [factor.condition(_given(factor, given)) for factor in (reward, *used)]
+        factors = [factor.condition(_given(factor, belief.known, rename)) for factor in (reward, *used)]
         if inner_now:
             state = _weights(belief.arrays[number], columns, plan, plan.variables)
-            moves = [f.condition(_given(f, given)) for f in pattern.transition.values()]
+            moves = [f.condition(_given(f, belief.known, rename)) for f in plan.stack.pattern.transition.values()]
             inner = {v for v in (*plan.variables, *(w.next for w in plan.variables))} | {s.child for s in plan.seen}
             keep = [v for f in (*factors, *moves) for v in f.scope if v not in inner]
             return contract([state, *moves, *factors], keep).renamed(rename)
@@ -168,29 +174,53 @@ class DecomposedMyopic:
     ) -> Factor:
         """Predicted mass over some next variables, and over the actions that the prediction reads."""
         plan = belief.plan.stacks[number]
-        actions = {variable.name: variable for variable in self.model.actions}
-        read = [v for v in plan.prediction.context if rename.get(v.name, v.name) in actions]
-        ahead = any(v.is_next for v in plan.prediction.context)
-        free = list(self.model.actions) if ahead else [actions[rename.get(v.name, v.name)] for v in read]
+        free = self._actions_behind([rename.get(v.name, v.name) for v in plan.prediction.context])
         base = {v.name: v.values[0] for v in self.model.actions}
         tables = []
         for values in itertools.product(*(variable.values for variable in free)):
             action = {**base, **dict(zip((v.name for v in free), values, strict=True))}
-            predicted = belief.predicted(number, action, belief.next_known(action) if ahead else {})
-            tables.append(_weights(predicted, columns, plan, hidden, after=True).array)
+            after = belief.next_known(action)
+            if columns is None:
+                predicted = belief.predicted(number, action, after)
+            else:
+                given = {**belief.known, **action, **{f"{name}.next": value for name, value in after.items()}}
+                at = {v.name: given[rename.get(v.name, v.name)] for v in plan.prediction.context}
+                predicted = plan.prediction.apply(np.ascontiguousarray(belief.arrays[number][:, columns]), at)
+            tables.append(_weights(predicted, None, plan, hidden, after=True).array)
         back = {own: old for old, own in rename.items()}
-        scope = [*(v.renamed(back.get(v.name, v.name)) for v in free), *hidden]
+        scope = [
+            *(v.renamed(back.get(v.name, v.name)) for v in free),
+            *(v.next for v in plan.variables if v.next in hidden),
+        ]
         return DenseFactor(scope, np.stack(tables).reshape([variable.size for variable in scope]))
 
+    def _actions_behind(self, names: Sequence[str]) -> list[Variable]:
+        """Action variables among some names, or that the known next values among them are functions of."""
+        functions, waiting = self.plan.structure.functions, list(names)
+        found: set[str] = set()
+        while waiting:
+            name = waiting.pop()
+            if name not in found:
+                found.add(name)
+                before = name.removesuffix(".next")
+                waiting += functions[before].names if name != before and before in functions else ()
+        return [variable for variable in self.model.actions if variable.name in found]
+
     def _of_actions(self, function: Factor, known: Mapping[str, Value]) -> Factor:
-        """Replace known variables' next values by what the actions make of them."""
-        structure = self.plan.structure
-        for name in structure.known:
-            after = self.model.variable(f"{name}.next")
+        """Replace known variables' next values, and observations of them alone, by what the actions make of them."""
+        structure, model = self.plan.structure, self.model
+        for variable in model.observations:
+            if variable in function.scope:
+                function = function.dense().product(structure.laws[variable.name]).marginalise(variable)
+        chance = [name for name in structure.known if name not in structure.functions]
+        for name in (*chance, *reversed(structure.functions)):
+            after = model.variable(f"{name}.next")
             if after not in function.scope:
                 continue
-            moved = structure.functions.get(name, self.model.transition[name])
+            moved = structure.laws[after.name]
             unread = [v.name for v in moved.scope if v.name in known and known[v.name] is None]
+            if unread and not isinstance(function, ExpectedNoisyOr):
+                raise ValueError(f"{', '.join(unread)} was not read back, and the reward depends on it through {name}")
             if unread:
                 function = function.condition({after.name: None})
                 continue
@@ -222,13 +252,17 @@ def _alike(belief: ProductBelief, number: int, reward: Factor) -> list[tuple[lis
     return [([column], names) for column, names in enumerate(members)]
 
 
-def _needed(reward: Factor, likelihoods: Mapping[str, Factor]) -> list[Factor]:
-    """Distributions of the observations that a reward reads."""
-    return [
-        factor
-        for name, factor in likelihoods.items()
-        if name in reward.names or f"{name}.next" in reward.names and name not in factor.names
-    ]
+def _needed(reward: Factor, plan: StackPlan) -> list[Factor]:
+    """Distributions of what a reward reads of the things that are seen of a block, and of what those read."""
+    laws = {seen.child: plan.stack.pattern.likelihood[seen.name] for seen in plan.seen}
+    needed: dict[Variable, Factor] = {}
+    waiting = list(reward.scope)
+    while waiting:
+        variable = waiting.pop()
+        if variable in laws and variable not in needed:
+            needed[variable] = laws[variable]
+            waiting += laws[variable].scope
+    return list(needed.values())
 
 
 def _weights(
@@ -260,16 +294,11 @@ def _expected(weights: Factor, factors: list[Factor], plan: StackPlan) -> Factor
     return contract([weights, *factors], keep) if factors else constant(0.0)
 
 
-def _given(factor: Factor, known: Mapping[str, Value]) -> dict[str, Value]:
-    return {name: known[name] for name in factor.names if known.get(name) is not None}
+def _given(factor: Factor, known: Mapping[str, Value], rename: Mapping[str, str] | None = None) -> dict[str, Value]:
+    """Known values of variables in a factor's scope, whose names may be those of a pattern."""
+    own = {name: (rename or {}).get(name, name) for name in factor.names}
+    return {name: known[own[name]] for name in factor.names if known.get(own[name]) is not None}
 
 
 def _readable(factor: Factor, known: Mapping[str, Value]) -> bool:
     return all(known[name] is not None for name in factor.names if name in known)
-
-
-def _pattern(rename: Mapping[str, str], name: str) -> str:
-    for old, own in rename.items():
-        if own == name:
-            return old
-    return name

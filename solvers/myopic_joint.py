@@ -8,24 +8,27 @@ Use it to verify, never to control.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from factored_pomdp.beliefs import JointBelief
+from factored_pomdp.beliefs.plan import plan_of
 from factored_pomdp.contraction import contract
 from factored_pomdp.errors import TooLarge
-from factored_pomdp.factors import Factor
+from factored_pomdp.factors import DenseFactor, Factor
 from factored_pomdp.model import FactoredPOMDP
-from factored_pomdp.variables import Value
+from factored_pomdp.variables import Value, Variable, count
 from solvers.base import Ability, Decision
 
 __all__ = ["JointMyopic"]
 
 _MOST_STATES = 5_000_000
 _MOST_OPERATIONS = 200_000_000_000
+_MOST_AT_ONCE = 5_000_000
 _TIE = 1e-12
+
+Action = dict[str, Value]
 
 
 class JointMyopic:
@@ -37,6 +40,9 @@ class JointMyopic:
     likelihood : mapping, optional
         Tables that stand in for observation distributions in the belief update and in P(Z | B, A), by observation
         variable; they need not sum to one (the paper's printed null observation does not).
+    sparse : bool
+        Whether beliefs hold only the joint states that have mass (`JointBelief` in its sparse form): known variables
+        then cost nothing.
 
     Raises
     ------
@@ -47,67 +53,91 @@ class JointMyopic:
     name = "myopic-joint"
     summary = "one step ahead over joint states and observations; exponential"
 
-    def __init__(self, model: FactoredPOMDP, likelihood: Mapping[str, Factor] | None = None) -> None:
-        ability = self.can_solve(model)
+    def __init__(
+        self, model: FactoredPOMDP, likelihood: Mapping[str, Factor] | None = None, sparse: bool = False
+    ) -> None:
+        ability = self.can_solve(model, sparse)
         if not ability:
             raise TooLarge(f"{ability.because}; {ability.estimate}")
-        self.model = model
+        self.model, self.sparse = model, sparse
         self.observation = {**model.observation, **(likelihood or {})}
+        self._now = {variable.next.name: variable.name for variable in model.states}
+        self._tables: dict[tuple[Value, ...], Factor] = {}
 
     @classmethod
-    def can_solve(cls, model: FactoredPOMDP) -> Ability:
+    def can_solve(cls, model: FactoredPOMDP, sparse: bool = False) -> Ability:
+        """Whether the joint tables fit, and the number of operations is bearable; the sizes are told either way."""
         states, actions, observations = model.joint_states, model.joint_actions, model.joint_observations
-        operations = states * actions * observations
+        held = states
+        if sparse:
+            known = plan_of(model).structure.known
+            held = count(variable for variable in model.states if variable.name not in known)
+        operations = held * actions * observations
         sizes = f"{states:,} joint states, {actions:,} joint actions, {observations:,} joint observations"
-        estimate = f"{operations:.3g} operations a decision, {8 * states:,} bytes a belief"
-        if states > _MOST_STATES:
-            return Ability(False, f"{sizes}: more than {_MOST_STATES:,} joint states", estimate)
+        if sparse:
+            sizes += f", up to {held:,} joint states with mass"
+        estimate = f"{operations:.3g} operations a decision, {8 * held:,} bytes a belief"
+        if held > _MOST_STATES:
+            return Ability(False, f"{sizes}: more than {_MOST_STATES:,} joint states to hold", estimate)
         if operations > _MOST_OPERATIONS:
             return Ability(False, f"{sizes}: more than {_MOST_OPERATIONS:.0e} operations a decision", estimate)
         return Ability(True, sizes, estimate)
 
     def start(self) -> JointBelief:
         """The model's initial belief, in the form that `decide` takes."""
-        return JointBelief.initial(self.model)
+        return JointBelief.initial(self.model, self.sparse)
 
     def decide(self, belief: JointBelief, prefer: Mapping[str, Value] | None = None) -> Decision:
         """The best of all joint actions that are legal where the belief has mass; the first among equals."""
-        values = {action: self.value(belief, dict(action)) for action in self._actions(belief)}
-        best = max(values.values())
-        tied = [action for action, value in values.items() if value >= best - _TIE * max(1.0, abs(best))]
-        kept = [sum(prefer.get(n) == v for n, v in action) for action in tied] if prefer else [0] * len(tied)
-        chosen = tied[int(np.argmax(kept))]
-        return Decision(
-            dict(chosen), values[chosen], best, f"enumeration of {len(values):,} joint actions, joint belief"
-        )
+        valued = self.values(belief)
+        best = max(value for _, value in valued)
+        tied = [(a, value) for a, value in valued if value >= best - _TIE * max(1.0, abs(best))]
+        kept = [sum(prefer.get(n) == v for n, v in action.items()) for action, _ in tied] if prefer else [0]
+        chosen, value = tied[int(np.argmax(kept))]
+        return Decision(chosen, value, best, f"enumeration of {len(valued):,} joint actions, joint belief")
+
+    def values(self, belief: JointBelief) -> list[tuple[Action, float]]:
+        """Every joint action that is legal where the belief has mass, and what it is worth."""
+        return [(action, self.value(belief, action)) for action in self._actions(belief)]
 
     def value(self, belief: JointBelief, action: Mapping[str, Value]) -> float:
         """V(B, A) of eq:policy2, plus the part of the reward that reads the current state."""
-        predicted = belief.predict(action)
-        after = [variable.next for variable in self.model.states]
-        mass = predicted.table.array_over(self.model.states)
+        predicted = belief.predict(action).table
+        ahead = [reward for reward in self.model.reward.values() if not self._reads_current(reward)]
+        rewards = [reward.condition(action).renamed(self._now) for reward in ahead]
+        tables = {variable.name: self._table(variable, action) for variable in self.model.observations}
+        one_by_one, at_once = self._split(tables, rewards)
+        columns = {v.name: {value: tables[v.name].condition({v.name: value}) for value in v.values} for v in one_by_one}
+        rest = [tables[variable.name] for variable in at_once]
         total = self._current(belief, action)
-        rewards = [f.condition(action) for f in self.model.reward.values() if not self._reads_current(f)]
-        columns = self._columns(action, after)
-        for values in itertools.product(*(variable.values for variable in self.model.observations)):
-            seen = dict(zip((variable.name for variable in self.model.observations), values, strict=True))
-            unnormalised = mass
+        for values in itertools.product(*(variable.values for variable in one_by_one)):
+            seen = dict(zip((variable.name for variable in one_by_one), values, strict=True))
+            unnormalised = predicted
             for name, value in seen.items():
-                unnormalised = unnormalised * columns[name][value]
-            probability = float(unnormalised.sum())
-            if probability > 0:
-                posterior = unnormalised / probability
-                expected = sum(float((posterior * r.condition(seen).array_over(after)).sum()) for r in rewards)
-                total += expected * probability
+                unnormalised = unnormalised.product(columns[name][value])
+            total += _expected(unnormalised, rest, [reward.condition(seen) for reward in rewards], at_once)
         return total
 
-    def _columns(self, action: Mapping[str, Value], after: list[Any]) -> dict[str, dict[Value, np.ndarray]]:
-        """``P(z | S')`` for every observation variable and value, as arrays that broadcast over joint next states."""
-        columns: dict[str, dict[Value, np.ndarray]] = {}
-        for variable in self.model.observations:
-            table = self.observation[variable.name].condition(action)
-            columns[variable.name] = {v: table.condition({variable.name: v}).array_over(after) for v in variable.values}
-        return columns
+    def _table(self, variable: Variable, action: Mapping[str, Value]) -> Factor:
+        """``P(z | S', A)`` of one observation variable, laid out once for each action that it reads."""
+        factor = self.observation[variable.name]
+        key = (variable.name, *(action.get(name) for name in factor.names))
+        if key not in self._tables:
+            table = factor.condition(action).renamed(self._now)
+            self._tables[key] = table.dense() if table.size <= _MOST_AT_ONCE else table.sparse()
+        return self._tables[key]
+
+    def _split(
+        self, tables: Mapping[str, Factor], rewards: Sequence[Factor]
+    ) -> tuple[list[Variable], tuple[Variable, ...]]:
+        """Observation variables to enumerate one by one, and the last one, all of whose values fit into one array."""
+        *first, last = self.model.observations or (None,)
+        if last is None:
+            return [], ()
+        sizes = [count({*tables[last.name].scope, *reward.scope} - set(first)) for reward in rewards]
+        if max(sizes, default=0) > _MOST_AT_ONCE:
+            return [*first, last], ()
+        return first, (last,)
 
     def _reads_current(self, reward: Factor) -> bool:
         return any(variable in self.model.states for variable in reward.scope)
@@ -137,10 +167,10 @@ class JointMyopic:
                 waiting += [variable.name for variable in factor.scope if variable.name != name]
         return list(found.values())
 
-    def _actions(self, belief: JointBelief) -> list[tuple[tuple[str, Value], ...]]:
+    def _actions(self, belief: JointBelief) -> list[Action]:
         names = [variable.name for variable in self.model.actions]
         listed = [
-            tuple(zip(names, values, strict=True))
+            dict(zip(names, values, strict=True))
             for values in itertools.product(*(v.values for v in self.model.actions))
         ]
         if not self.model.legal:
@@ -151,4 +181,33 @@ class JointMyopic:
             {n: v.values[int(i)] for n, v, i in zip(known, support.scope, row, strict=True)}
             for row in support.coordinates
         ]
-        return [action for action in listed if all(self.model.is_legal(dict(action), state) for state in states)]
+        return [action for action in listed if all(self.model.is_legal(action, state) for state in states)]
+
+
+def _expected(
+    unnormalised: Factor, tables: Sequence[Factor], rewards: Sequence[Factor], seen: tuple[Variable, ...]
+) -> float:
+    """``Σ_z R(B') P(z | B, A)`` over the values of ``seen``; of B' only what a reward reads is kept.
+
+    Parameters
+    ----------
+    unnormalised : Factor
+        ``P(S', other observations | B, A)`` over joint next states.
+    tables : sequence of Factor
+        ``P(z | S')`` of the variables in ``seen``.
+    rewards : sequence of Factor
+        Over next states and ``seen``.
+    """
+    total = 0.0
+    masses: dict[frozenset[Variable], Factor] = {}
+    for reward in rewards:
+        kept = frozenset(variable for factor in (*tables, reward) for variable in factor.scope)
+        if kept not in masses:
+            gone = [variable for variable in unnormalised.scope if variable not in kept]
+            masses[kept] = contract([unnormalised.marginalise(*gone) if gone else unnormalised, *tables], kept).dense()
+        probability = contract([masses[kept]], seen).dense()
+        chance = np.divide(1.0, probability.array, out=np.zeros_like(probability.array), where=probability.array > 0)
+        posterior = masses[kept].product(DenseFactor(probability.scope, chance))
+        expected = contract([posterior, reward], seen)
+        total += float(contract([expected, probability], ()).dense().array)
+    return total

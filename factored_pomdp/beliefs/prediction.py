@@ -1,8 +1,8 @@
 """The prediction step of a stack, compiled into sparse operators that are applied one after the other.
 
 A block's transition is a product of conditional distributions. Multiplying them into the belief one at a time, and
-summing every current variable out as soon as nothing reads it any more, is variable elimination with the belief in hand;
-for a target with place, heading and speed it comes to heading, speed, place, and costs a fraction of one flattened matrix.
+summing every current variable out once nothing reads it any more, is variable elimination with the belief in hand;
+for a target with place, heading and speed it comes to heading, speed, place: a fraction of one flattened matrix's cost.
 """
 
 from __future__ import annotations

@@ -324,7 +324,7 @@ class ProductBelief:
         """
         inside = [name for name in names if name in self._places]
         if not inside:
-            raise ValueError(f"none of {', '.join(names)} is in the belief; name the variables of a block that is there")
+            raise ValueError(f"none of {', '.join(names)} is in the belief: name variables of a block in it")
         plan, array, _, existing = self._find(inside[0])
         stack = self.plan.stacks.index(plan)
         fresh = {pattern: names.get(own, own) for pattern, own in existing.items()}

@@ -48,6 +48,8 @@ def maximise(
             choices.append(variable)
             continue
         values = [value for value in variable.values if all(rule.value({variable.name: value}) for rule in rules)]
+        if not values:
+            raise ValueError(f"no value of {variable.name!r} is legal")
         choices.append(Variable(variable.name, values))
         indexes = np.array([variable.index(value) for value in values])
         narrowed = [f.substituted(variable, choices[-1], indexes) if variable in f.scope else f for f in narrowed]

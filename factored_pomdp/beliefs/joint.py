@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from factored_pomdp.errors import ImpossibleObservation
@@ -46,21 +47,32 @@ class JointBelief:
     def predict(self, action: Any) -> JointBelief:
         """``Σ_S P(S' | S, A) B(S)`` over all joint states."""
         chosen = self.model.action(action)
-        table = self.table
-        left = {name: factor.condition(chosen) for name, factor in self.model.transition.items()}
-        while left:
-            name = next(
-                n
-                for n, f in left.items()
-                if not any(v.is_next and v.name[:-5] in left for v in f.scope if v.name != f"{n}.next")
-            )
-            table = table.product(_laid_out(left.pop(name), self.sparse))
-            needed = {variable.name for factor in left.values() for variable in factor.scope}
-            done = [v for v in table.scope if not v.is_next and v.name not in needed]
-            if done:
-                table = table.marginalise(*done)
+        table, left = self._moved_by_itself
+        table, _ = self._moved(table, {name: factor.condition(chosen) for name, factor in left.items()}, {})
         named = table.renamed({variable.next.name: variable.name for variable in self.model.states})
         return replace(self, table=named, action=chosen)
+
+    @cached_property
+    def _moved_by_itself(self) -> tuple[Factor, dict[str, Factor]]:
+        """The table after those transitions that no action touches, which are the same for every action; the others."""
+        actions = set(self.model.actions)
+        free = {name: factor for name, factor in self.model.transition.items() if not actions & set(factor.scope)}
+        return self._moved(self.table, free, {n: f for n, f in self.model.transition.items() if n not in free})
+
+    def _moved(
+        self, table: Factor, ready: Mapping[str, Factor], later: Mapping[str, Factor]
+    ) -> tuple[Factor, dict[str, Factor]]:
+        """Multiply transitions in, those whose parents are there; sum out what nothing reads any more."""
+        left = dict(ready)
+        while True:
+            waiting = {f"{name}.next" for name in (*left, *later)}
+            names = [n for n, f in left.items() if not waiting & set(f.names) - {f"{n}.next"}]
+            if not names:
+                return table, {**left, **later}
+            table = table.product(_laid_out(left.pop(names[0]), self.sparse))
+            needed = {name for factor in (*left.values(), *later.values()) for name in factor.names}
+            done = [v for v in table.scope if not v.is_next and v.name not in needed]
+            table = table.marginalise(*done) if done else table
 
     def likelihood(self, observation: Mapping[str, Value], known: Mapping[str, Value] | None = None) -> Factor:
         """``P(Z | S')`` as a table over next states (named as current ones), the unread ``known`` saying nothing."""

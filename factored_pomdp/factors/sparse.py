@@ -82,7 +82,11 @@ class SparseFactor(Factor):
         """Product with any factor: entries that agree on the shared variables are paired."""
         if isinstance(other, DenseFactor) and set(other.scope) <= set(self.scope):
             columns = tuple(self.coordinates[:, self.scope.index(variable)] for variable in other.scope)
-            return SparseFactor(self.scope, self.coordinates, self.numbers * other.array[columns])
+            numbers = self.numbers * other.array[columns]
+            kept = numbers != 0
+            if 2 * np.count_nonzero(kept) > len(numbers):
+                return SparseFactor(self.scope, self.coordinates, numbers)
+            return SparseFactor(self.scope, self.coordinates[kept], numbers[kept])
         right = other.sparse()
         shared = tuple(variable for variable in self.scope if variable in right.scope)
         scope = union(self.scope, right.scope)

@@ -78,7 +78,7 @@ def joint(model: FactoredPOMDP, most_bytes: int = MOST_BYTES) -> Joint:
     if needed > most_bytes:
         raise TooLarge(
             f"joint expansion of {model.name}: {model.joint_states:,} joint states, {model.joint_actions:,} joint "
-            f"actions, {model.joint_observations:,} joint observations: up to {needed:,} bytes, more than {most_bytes:,}"
+            f"actions, {model.joint_observations:,} joint observations: up to {needed:,} bytes; {most_bytes:,} allowed"
         )
     states, after = model.states, tuple(variable.next for variable in model.states)
     actions, observations = _assignments(model.actions), _assignments(model.observations)

@@ -1,0 +1,1 @@
+"""The control loop, the controllers and the bounds."""

@@ -1,0 +1,68 @@
+"""The one control loop, for the simulated world and for a network of cameras."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+
+from surveillance_domain.control.base import Choice, Controller
+from surveillance_domain.world.base import Sighting, World
+
+__all__ = ["Step", "run_loop"]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One turn of the loop.
+
+    Attributes
+    ----------
+    number : int
+        From 1.
+    choice : Choice
+    sighting : Sighting
+    decision_ms : float
+        Time for prediction, choice and conditioning together.
+    """
+
+    number: int
+    choice: Choice
+    sighting: Sighting
+    decision_ms: float
+
+    @property
+    def observed(self) -> int:
+        """How many targets were seen: M_obs of PercentObs."""
+        return sum(cell is not None for cell in self.sighting.observations.values())
+
+    @property
+    def present(self) -> int:
+        """How many targets there were: M_tot."""
+        return len(self.sighting.observations)
+
+
+def run_loop(
+    world: World, controller: Controller, steps: int, each: Callable[[Step], None] | None = None
+) -> list[Step]:
+    """Choose, move, observe, learn; ``steps`` times.
+
+    Parameters
+    ----------
+    each : callable, optional
+        Told of every step when it is over.
+    """
+    record = []
+    for number in range(1, steps + 1):
+        started = perf_counter()
+        choice = controller.choose()
+        chosen = perf_counter()
+        world.move(choice.presets)
+        sighting = world.observe()
+        seen = perf_counter()
+        controller.see(sighting)
+        spent = (chosen - started) + (perf_counter() - seen)
+        record.append(Step(number, choice, sighting, 1000 * spent))
+        if each is not None:
+            each(record[-1])
+    return record

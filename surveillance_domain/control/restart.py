@@ -1,0 +1,77 @@
+"""What becomes of a target's belief when the model calls the sighting impossible (model.md, "Zero mass").
+
+A target seen where its belief has no mass starts anew at that cell, with every direction that can lead there. One that was not
+seen although all its mass was in view starts anew over the free cells out of view within one longest move plus one cell of
+where it was thought to be; if there are none, over all cells out of view; if there are none either, the prediction stands.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from surveillance_domain.model.build import UNSEEN, Surveillance, motion_parameters
+
+__all__ = ["TargetRestart"]
+
+
+class TargetRestart:
+    """Gives a target a new belief; callable, as `ProductBelief.condition` wants its ``restart`` once ``previous`` is bound."""
+
+    def __init__(self, surveillance: Surveillance) -> None:
+        self._surveillance = surveillance
+        parameters = motion_parameters(surveillance.site)
+        longest = max(parameters.speeds_mps) * parameters.step_s / surveillance.site.grid.cell_m
+        self._reach = math.ceil(longest) + 1
+
+    def __call__(
+        self,
+        block: tuple[str, ...],
+        predicted: Float[np.ndarray, "cells directions speeds"],
+        observation: Mapping[str, Any],
+        known: Mapping[str, Any],
+        previous: Float[np.ndarray, "cells directions speeds"],
+    ) -> Float[np.ndarray, "cells directions speeds"]:
+        """The new belief of one target; ``previous`` is its belief before the step."""
+        grid, views, cameras = self._surveillance.site.grid, self._surveillance.views, self._surveillance.site.cameras
+        seen = observation[block[0].removesuffix(".location") + ".sighting"]
+        fresh = np.zeros_like(predicted)
+        if seen != UNSEEN:
+            number = int(grid.number[seen[1], seen[0]])
+            fresh[number] = self._arrivals[number]
+            return fresh
+        presets = [known[f"{camera.name}.preset"] for camera in cameras]
+        names = [[preset.name for preset in camera.presets] for camera in cameras]
+        numbers = [None if p is None else of.index(str(p)) for p, of in zip(presets, names, strict=True)]
+        hidden = views.seen(numbers) < 1
+        near = hidden & _near(grid.number, previous.sum(axis=(1, 2)) > 0, self._reach)
+        cells = near if near.any() else hidden
+        if not cells.any():
+            return predicted
+        fresh[cells] = 1.0
+        return np.asarray(fresh / fresh.sum())
+
+    @cached_property
+    def _arrivals(self) -> Float[np.ndarray, "cells directions speeds"]:
+        """For each cell the directions and speeds with which a target can have come into it; all where none can."""
+        model, target = self._surveillance.model, self._surveillance.targets[0]
+        scope = [model.variable(f"{target}.{part}.next") for part in ("location", "direction", "speed")]
+        table = model.transition[f"{target}.location"].sparse()
+        came = np.zeros([variable.size for variable in scope], dtype=bool)
+        came[tuple(table.coordinates[:, table.scope.index(variable)] for variable in scope)] = True
+        came[~came.any(axis=(1, 2))] = True
+        return np.asarray(came / came.sum(axis=(1, 2), keepdims=True))
+
+
+def _near(number: np.ndarray, support: np.ndarray, reach: int) -> np.ndarray:
+    """Free cells within ``reach`` cells (in both axes) of some cell of the support."""
+    from scipy.ndimage import maximum_filter
+
+    on_map = np.zeros(number.shape, dtype=bool)
+    on_map[number >= 0] = support[number[number >= 0]]
+    return np.asarray(maximum_filter(on_map, size=2 * reach + 1, mode="constant")[number >= 0])

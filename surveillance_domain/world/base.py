@@ -1,0 +1,53 @@
+"""The world as a controller meets it: presets go out, a sighting comes back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from surveillance_domain.world.truth import Truth
+
+__all__ = ["Cell", "Sighting", "TrueWorld", "World"]
+
+Cell = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """What came back from one step.
+
+    Attributes
+    ----------
+    observations : dict
+        For each target the cell (column, row) at which it was seen, or ``None``: not seen by any camera.
+    views : dict
+        For each camera the preset whose view it really had; ``None``: none (unavailable, or still moving).
+    time_s : float
+        When, on the world's clock.
+    static : dict
+        What static wide-view cameras report, where the site has some; only the controller MSP reads it.
+    """
+
+    observations: Mapping[str, Cell | None]
+    views: Mapping[str, str | None]
+    time_s: float
+    static: Mapping[str, Cell | None] = field(default_factory=dict)
+
+
+class World(Protocol):
+    """Something with cameras in it: simulated, or a network of real ones."""
+
+    def move(self, presets: Mapping[str, str]) -> None:
+        """Send each camera to a preset; those left out keep theirs."""
+
+    def observe(self) -> Sighting:
+        """Let one step pass and report what was seen at its end."""
+
+
+class TrueWorld(Protocol):
+    """A world that knows the truth; no controller but the bounds is shown it."""
+
+    @property
+    def truth(self) -> Truth:
+        """The targets' true states now."""

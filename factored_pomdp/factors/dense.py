@@ -71,7 +71,7 @@ class DenseFactor(Factor):
 
     def substituted(self, variable: Variable, by: Variable, indexes: np.ndarray) -> DenseFactor:
         axis = self.scope.index(variable)
-        if by not in self.scope:
+        if by == variable or by not in self.scope:
             scope = (*self.scope[:axis], by, *self.scope[axis + 1 :])
             return DenseFactor(scope, np.take(self.array, indexes, axis=axis))
         others = [other for other in self.scope if other not in (variable, by)]

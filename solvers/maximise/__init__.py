@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -41,18 +42,22 @@ def maximise(
         Values to keep where that costs nothing; among other equals the first action is taken.
     """
     narrowed = list(functions)
-    choices = []
+    choices: list[Variable] = []
+    forced: dict[str, Value] = {}
     for variable in actions:
         rules = [rule for rule in legal if variable in rule.scope]
-        if not rules:
-            choices.append(variable)
-            continue
         values = [value for value in variable.values if all(rule.value({variable.name: value}) for rule in rules)]
         if not values:
             raise ValueError(f"no value of {variable.name!r} is legal")
-        choices.append(Variable(variable.name, values))
-        indexes = np.array([variable.index(value) for value in values])
-        narrowed = [f.substituted(variable, choices[-1], indexes) if variable in f.scope else f for f in narrowed]
-    if count(choices) <= ENUMERATED:
-        return enumerate_all(narrowed, choices, prefer or {})
-    return greedy_with_swaps(narrowed, choices, prefer or {})
+        if len(values) == 1:
+            forced[variable.name] = values[0]
+            continue
+        choices.append(variable if len(values) == variable.size else Variable(variable.name, values))
+        if choices[-1] is not variable:
+            indexes = np.array([variable.index(value) for value in values])
+            narrowed = [f.substituted(variable, choices[-1], indexes) if variable in f.scope else f for f in narrowed]
+    if forced:
+        narrowed = [f.condition(forced) if forced.keys() & set(f.names) else f for f in narrowed]
+    choose = enumerate_all if count(choices) <= ENUMERATED else greedy_with_swaps
+    found = choose(narrowed, choices, prefer or {})
+    return replace(found, action={v.name: forced.get(v.name, found.action.get(v.name)) for v in actions})

@@ -1,8 +1,8 @@
 """Lazy greedy choice with swaps, for more joint actions than can be listed; says how far from the best it may be.
 
 Source: Fisher, Nemhauser, Wolsey, "An analysis of approximations for maximizing submodular set functions II",
-Mathematical Programming Study 8 (1978): one value a variable is a partition matroid, over which greedy reaches half of a
-monotone submodular function. The bound given is the tighter ``f(G) + Σ_i max_c [f(G ∪ {(i, c)}) − f(G)]``, which holds
+Mathematical Programming Study 8 (1978): one value a variable is a partition matroid, over which greedy reaches half of
+a monotone submodular function. The tighter bound ``f(G) + Σ_i max_c [f(G ∪ {(i, c)}) − f(G)]`` is given, which holds
 for the final choice G too; functions that are not submodular are bounded by their maxima.
 Cost: O(rounds · variables · values) evaluations of the functions that read the variable.
 """

@@ -3,7 +3,7 @@
 A state variable is *known* if the agent can tell its value after every step: its start is certain, and it is declared
 as read back, or is a function of known variables and actions, or is shown without doubt by an observation. One that is
 read back or shown counts as hidden all the same where a transition reads its next value, or where its own transition
-reads the current value of a hidden one. Given the known variables, the hidden ones are joined by every factor whose
+reads hidden variables of both slices. Given the known variables, the hidden ones are joined by every factor whose
 numbers depend on several of them.
 """
 
@@ -172,7 +172,7 @@ class _Finder:
             functions += more
             told |= set(more)
         left = [n for n in self.transition if n in known and n not in told and f"{n}.next" not in read_ahead]
-        left = [name for name in left if self._reads_known(name, known)]
+        left = [name for name in left if self._reads_one_slice(name, known)]
         told |= self.model.declared_known & set(left)
         while more := [n for n in left if n not in told and self._shown_by(n, told) is not None]:
             shown_by[more[0]] = str(self._shown_by(more[0], told))
@@ -189,6 +189,11 @@ class _Finder:
     def _reads_known(self, name: str, known: set[str]) -> bool:
         """Whether all the current-slice state variables that a transition reads are known."""
         return all(v.name in known for v in self.transition[name].scope if v in self.states)
+
+    def _reads_one_slice(self, name: str, known: set[str]) -> bool:
+        """Whether the hidden variables that a transition reads are all current, or all of the next slice."""
+        parents = [v for v in self.transition[name].scope if v.now in self.states and v.now.name not in known]
+        return len({variable.is_next for variable in parents}) <= 1
 
     def _shown_by(self, name: str, told: set[str]) -> str | None:
         """An observation that no two next values of a variable can give, everything else that it reads being told."""

@@ -32,12 +32,15 @@ class Seen:
     likelihood : Likelihood
     context : (states,) int
         Row of the likelihood's columns for every joint value of the pattern's variables.
+    early : bool
+        Whether it tells of their values before the step (a known variable may be moved by a hidden one).
     """
 
     child: Variable
     name: str
     likelihood: Likelihood
     context: Int[np.ndarray, " states"]
+    early: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,14 +82,16 @@ def plan_of(model: FactoredPOMDP) -> Plan:
 
 
 def _stack_plan(stack: Stack, observations: set[str]) -> StackPlan:
-    after = tuple(variable.next for variable in stack.pattern.variables)
-    coordinates = unflatten(np.arange(count(after)), after)
+    now = stack.pattern.variables
+    coordinates = unflatten(np.arange(count(now)), now)
     seen = []
     for name, factor in stack.pattern.likelihood.items():
         child = factor.variable(name if name in observations else f"{name}.next")
-        likelihood = likelihood_of(factor, child, after)
+        early = any(variable in factor.scope for variable in now)
+        axes = now if early else tuple(variable.next for variable in now)
+        likelihood = likelihood_of(factor, child, axes)
         rows = np.zeros(len(coordinates), dtype=np.int64)
         for variable in likelihood.hidden:
-            rows = rows * variable.size + coordinates[:, after.index(variable)]
-        seen.append(Seen(child, name, likelihood, rows))
+            rows = rows * variable.size + coordinates[:, axes.index(variable)]
+        seen.append(Seen(child, name, likelihood, rows, early))
     return StackPlan(stack, Prediction(stack.pattern), tuple(seen))

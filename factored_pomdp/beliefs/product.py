@@ -6,7 +6,7 @@ once a stack, times its members; memory: one number for each state and member.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from factored_pomdp.beliefs.findings import Finding, findings_of
 from factored_pomdp.beliefs.plan import Plan, StackPlan
 from factored_pomdp.errors import ImpossibleObservation, did_you_mean
 from factored_pomdp.factors import DenseFactor, DeterministicFactor
-from factored_pomdp.variables import Value, Variable
+from factored_pomdp.variables import Value
 
 __all__ = ["ProductBelief", "Restart"]
 
@@ -25,9 +26,6 @@ Restart = Callable[[tuple[str, ...], "Float[np.ndarray, '...']", Mapping[str, Va
 """``restart(block, predicted, observation, known)`` gives a contradicted block its new belief, of the block's shape."""
 
 Names = dict[str, str]
-
-_Finding = tuple[list[str], Mapping[str, Value], np.ndarray, np.ndarray]
-"""The members' own names of what was looked at, its values, each state's row in the likelihood, the likelihood."""
 
 _MOST_MOVES = 10_000
 
@@ -56,6 +54,7 @@ class ProductBelief:
     project: bool = False
     action: Mapping[str, Value] | None = None
     before: Mapping[str, Value] | None = None
+    prior: ProductBelief | None = field(default=None, repr=False)
     _predictions: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     @property
@@ -88,7 +87,9 @@ class ProductBelief:
         chosen = self.plan.structure.model.action(action)
         after = self.next_known(chosen)
         arrays = tuple(self.predicted(number, chosen, after) for number in range(len(self.arrays)))
-        return replace(self, known=after, arrays=arrays, action=chosen, before=self.known, _predictions={})
+        early = any(seen.early for plan in self.plan.stacks for seen in plan.seen)
+        prior = replace(self, prior=None) if early else None
+        return replace(self, known=after, arrays=arrays, action=chosen, before=self.known, prior=prior, _predictions={})
 
     def next_known(self, action: Mapping[str, Value]) -> dict[str, Value]:
         """Values of the known variables after an action, as planned; ``None`` where a parent is not known."""
@@ -167,46 +168,44 @@ class ProductBelief:
         self._refuse_unknown(observation)
         reasons = list(self.approximations)
         arrays = []
-        for plan, array, members in zip(self.plan.stacks, self.arrays, self.members, strict=True):
-            findings = self._findings(plan, members, observation, actual, hidden)
-            arrays.append(self._conditioned(plan, array, members, findings, (observation, actual), restart, reasons))
-        after = replace(
-            self, known=actual, arrays=tuple(arrays), approximations=tuple(dict.fromkeys(reasons)), _predictions={}
-        )
-        return after._projected() if self.project else after
-
-    def _findings(
-        self,
-        plan: StackPlan,
-        members: tuple[Names, ...],
-        observation: Mapping[str, Value],
-        actual: Mapping[str, Value],
-        hidden: Mapping[str, Value],
-    ) -> Iterator[_Finding]:
-        """What was observed of a stack, what was newly read of the known variables that it moves, and of its own."""
         before = self.before if self.before is not None else self.known
         given = {**before, **(self.action or {}), **{f"{name}.next": value for name, value in actual.items()}}
         newly = {name: value for name, value in actual.items() if self.known.get(name) is None}
-        for seen in plan.seen:
-            own = [names.get(seen.child.name, seen.child.name) for names in members]
-            shown = observation
-            if seen.child.is_next:
-                own, shown = [name.removesuffix(".next") for name in own], newly
-            values = _positions(seen.child, own, shown)
-            if not (values < 0).all():
-                yield own, shown, seen.context, self._columns(plan, seen, values, given, members)
-        for axis, variable in enumerate(plan.variables if hidden else ()):
-            own = [names[variable.name] for names in members]
-            values = _positions(variable, own, hidden)
-            certain = np.concatenate([np.eye(variable.size), np.ones((variable.size, 1))], axis=1)
-            yield own, hidden, np.indices(plan.shape)[axis].ravel(), np.ascontiguousarray(certain[:, values])
+        told = (observation, actual)
+        for number, (plan, array, members) in enumerate(zip(self.plan.stacks, self.arrays, self.members, strict=True)):
+            early = findings_of(plan, members, {}, newly, {}, given, early=True)
+            if early:
+                prior = self._earlier()
+                weighed = self._conditioned(plan, prior.arrays[number], members, early, told, restart, reasons)
+                arrays_then = (*prior.arrays[:number], weighed, *prior.arrays[number + 1 :])
+                prior = replace(prior, arrays=arrays_then, _predictions={})
+                array = prior.predicted(number, self.action or {}, prior.next_known(self.action or {}))
+            findings = findings_of(plan, members, observation, newly, hidden, given)
+            arrays.append(self._conditioned(plan, array, members, findings, told, restart, reasons))
+        after = replace(
+            self,
+            known=actual,
+            arrays=tuple(arrays),
+            approximations=tuple(dict.fromkeys(reasons)),
+            prior=None,
+            _predictions={},
+        )
+        return after._projected() if self.project else after
+
+    def _earlier(self) -> ProductBelief:
+        """The belief before the step, about which some known variables tell."""
+        if self.prior is None:
+            raise ValueError(
+                "known variables that tell of hidden ones are read in the first condition() after predict()"
+            )
+        return self.prior
 
     def _conditioned(
         self,
         plan: StackPlan,
         array: np.ndarray,
         members: tuple[Names, ...],
-        findings: Iterable[_Finding],
+        findings: Iterable[Finding],
         told: tuple[Mapping[str, Value], Mapping[str, Value]],
         restart: Restart | None,
         reasons: list[str],
@@ -214,13 +213,13 @@ class ProductBelief:
         from factored_pomdp.beliefs.kernels import reweigh
 
         predicted = array
-        for own, shown, context, likelihood in findings:
+        for finding in findings:
             result, sums = np.empty_like(array), np.empty(len(members))
-            reweigh(array, context, likelihood, result, sums)
+            reweigh(array, finding.context, finding.likelihood, result, sums)
             for column in np.flatnonzero(~(sums > 0)):
                 block = tuple(members[column][variable.name] for variable in plan.variables)
                 if restart is None:
-                    raise ImpossibleObservation(block, dict(self.action or {}), {own[column]: shown[own[column]]})
+                    raise ImpossibleObservation(block, dict(self.action or {}), finding.of(int(column)))
                 fresh = np.asarray(restart(block, predicted[:, column].reshape(plan.shape), *told), float)
                 if not fresh.sum() > 0:
                     raise ValueError(f"restart of block [{', '.join(block)}] gave a belief without mass")
@@ -228,23 +227,6 @@ class ProductBelief:
                 reasons.append(f"restarted: {', '.join(block)}")
             array = result
         return array
-
-    def _columns(
-        self,
-        plan: StackPlan,
-        seen: Any,
-        values: np.ndarray,
-        given: Mapping[str, Value],
-        members: tuple[Names, ...],
-    ) -> np.ndarray:
-        rest = [variable.name for variable in seen.likelihood.rest]
-        if not any(name in plan.stack.own for name in rest):
-            return np.asarray(seen.likelihood.columns(values, given))
-        columns = np.empty((int(seen.context.max()) + 1, len(members)))
-        for column, names in enumerate(members):
-            at = {name: given[names.get(name, name)] for name in rest}
-            columns[:, [column]] = seen.likelihood.columns(values[[column]], at)
-        return columns
 
     def _actual(self, known: Mapping[str, Value], observation: Mapping[str, Value]) -> dict[str, Value]:
         structure = self.plan.structure
@@ -340,7 +322,7 @@ class ProductBelief:
         arrays, members = list(self.arrays), list(self.members)
         arrays[stack] = np.ascontiguousarray(np.concatenate([array, column / column.sum()], axis=1))
         members[stack] = (*members[stack], fresh)
-        return replace(self, arrays=tuple(arrays), members=tuple(members), _predictions={})
+        return replace(self, arrays=tuple(arrays), members=tuple(members), prior=None, _predictions={})
 
     def without_block(self, name: str) -> ProductBelief:
         """The belief without the block that holds a hidden variable."""
@@ -349,7 +331,7 @@ class ProductBelief:
         arrays, members = list(self.arrays), list(self.members)
         arrays[stack] = np.ascontiguousarray(np.delete(array, column, axis=1))
         members[stack] = members[stack][:column] + members[stack][column + 1 :]
-        return replace(self, arrays=tuple(arrays), members=tuple(members), _predictions={})
+        return replace(self, arrays=tuple(arrays), members=tuple(members), prior=None, _predictions={})
 
     def with_arrays(self, arrays: Iterable[np.ndarray], known: Mapping[str, Value] | None = None) -> ProductBelief:
         """The same blocks with other probabilities, (states, members) a stack, and perhaps other known values."""
@@ -361,11 +343,6 @@ class ProductBelief:
             raise ValueError(f"no hidden variable {name!r}{did_you_mean(name, self._places)}")
         stack, column = self._places[name]
         return self.plan.stacks[stack], self.arrays[stack], column, self.members[stack][column]
-
-
-def _positions(child: Variable, own: list[str], shown: Mapping[str, Value]) -> np.ndarray:
-    """For each member the position of the value that its own variable showed; -1 where it was not looked at."""
-    return np.array([child.index(shown[n]) if shown.get(n) is not None else -1 for n in own], dtype=np.int64)
 
 
 def _result(function: Any, child: str, at: Mapping[str, Value]) -> Value:

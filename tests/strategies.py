@@ -48,7 +48,7 @@ def random_distribution(rng: np.random.Generator, shape: tuple[int, ...], *, spa
 def random_beliefs(draw: st.DrawFn, model: fp.FactoredPOMDP) -> fp.ProductBelief:
     """A random product belief of a model, known values as they start."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
-    with _random_module_as_found():
+    with random_module_as_found():
         start = fp.initial_belief(model)
         return start.with_arrays(random_distribution(rng, array.shape[::-1]).T for array in start.arrays)
 
@@ -57,7 +57,7 @@ def random_beliefs(draw: st.DrawFn, model: fp.FactoredPOMDP) -> fp.ProductBelief
 def _models(
     draw: st.DrawFn, sizes: st.SearchStrategy, ties: st.SearchStrategy, fewest_hidden: int = 1
 ) -> fp.FactoredPOMDP:
-    with _random_module_as_found():
+    with random_module_as_found():
         number = draw(sizes)
         hidden_count = draw(st.integers(min(number, fewest_hidden), number))
         rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
@@ -68,7 +68,7 @@ def _models(
 
 
 @contextmanager
-def _random_module_as_found() -> Iterator[None]:
+def random_module_as_found() -> Iterator[None]:
     """Type checks at run time draw from `random` which item of a container to look at; hypothesis forbids it here."""
     state = random.getstate()
     try:

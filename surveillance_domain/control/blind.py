@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections import deque
+
+import numpy as np
+from jaxtyping import Bool
+
 from surveillance_domain.control.base import Choice
 from surveillance_domain.model.build import Surveillance
 from surveillance_domain.model.coverage import best_joint_coverage
@@ -12,7 +17,10 @@ __all__ = ["StaticController", "SystematicController"]
 
 
 class SystematicController:
-    """Sys: every camera pans through its presets, ``t mod |C|``, as fast as it can reach them.
+    """Sys: every camera pans through its presets, one after the other: ``t mod |C|`` where it reaches them in a step.
+
+    Where slew forbids that, a camera goes the shortest way to the next preset in order, over several steps, and then on
+    to the one after. A preset that cannot be reached at all is passed over.
 
     Parameters
     ----------
@@ -23,20 +31,20 @@ class SystematicController:
     restarts = 0
 
     def __init__(self, surveillance: Surveillance, phase: int = 0) -> None:
-        self._cameras = surveillance.site.cameras
-        self._reach = [reachable(camera, surveillance.site.control.step_s) for camera in self._cameras]
-        self._present = [0] * len(self._cameras)
-        self._time = phase
+        self._cameras = _Cameras(surveillance)
+        self._wanted = [phase % size for size in self._cameras.sizes]
 
     def choose(self) -> Choice:
-        wanted = [self._time % len(camera.presets) for camera in self._cameras]
-        steps = zip(self._reach, self._present, wanted, strict=True)
-        self._present = [then if reach[now, then] else now for reach, now, then in steps]
-        presets = {c.name: c.presets[p].name for c, p in zip(self._cameras, self._present, strict=True)}
-        return Choice(presets, method="round robin")
+        for camera, size in enumerate(self._cameras.sizes):
+            while not self._cameras.can_get(camera, self._wanted[camera]):
+                self._wanted[camera] = (self._wanted[camera] + 1) % size
+        return Choice(self._cameras.step(self._wanted), method="round robin")
 
     def see(self, sighting: Sighting) -> None:
-        self._time += 1
+        self._cameras.turned(sighting)
+        arrived = [now == then for now, then in zip(self._cameras.present, self._wanted, strict=True)]
+        after = zip(self._wanted, arrived, self._cameras.sizes, strict=True)
+        self._wanted = [(wanted + there) % size for wanted, there, size in after]
 
 
 class StaticController:
@@ -45,35 +53,57 @@ class StaticController:
     restarts = 0
 
     def __init__(self, surveillance: Surveillance) -> None:
-        self._cameras = surveillance.site.cameras
-        self._reach = [reachable(camera, surveillance.site.control.step_s) for camera in self._cameras]
-        self._present = [0] * len(self._cameras)
-        self._wanted, self._method = best_joint_coverage(surveillance.views)
+        self._cameras = _Cameras(surveillance)
+        self._wanted, how = best_joint_coverage(surveillance.views)
+        self._method = f"{how} coverage of the floor"
 
     def choose(self) -> Choice:
-        steps = zip(self._reach, self._present, self._wanted, strict=True)
-        self._present = [_toward(reach, now, then) for reach, now, then in steps]
-        presets = {c.name: c.presets[p].name for c, p in zip(self._cameras, self._present, strict=True)}
-        return Choice(presets, method=f"{self._method} coverage of the floor")
+        return Choice(self._cameras.step(list(self._wanted)), method=self._method)
 
     def see(self, sighting: Sighting) -> None:
-        """Nothing that is seen changes the presets."""
+        self._cameras.turned(sighting)
 
 
-def _toward(reach: object, now: int, then: int) -> int:
-    """The first step of a shortest way to a preset; ``now`` if there is no way."""
-    from collections import deque
+class _Cameras:
+    """Where the cameras are (one that is away: where it was sent), and the way from there to other presets."""
 
+    def __init__(self, surveillance: Surveillance) -> None:
+        self._cameras = surveillance.site.cameras
+        self._reach = [reachable(camera, surveillance.site.control.step_s) for camera in self._cameras]
+        self.sizes = [len(camera.presets) for camera in self._cameras]
+        self.present = [0] * len(self._cameras)
+
+    def can_get(self, camera: int, preset: int) -> bool:
+        """Whether there is a way, over however many steps."""
+        return _first_step(self._reach[camera], self.present[camera], preset) is not None
+
+    def step(self, wanted: list[int]) -> dict[str, str]:
+        """One step of every camera towards a preset; a camera that has no way there stays."""
+        ways = zip(self._reach, self.present, wanted, strict=True)
+        firsts = [_first_step(reach, now, then) for reach, now, then in ways]
+        self.present = [now if first is None else first for now, first in zip(self.present, firsts, strict=True)]
+        return {c.name: c.presets[preset].name for c, preset in zip(self._cameras, self.present, strict=True)}
+
+    def turned(self, sighting: Sighting) -> None:
+        """Learn where the cameras really are."""
+        for number, camera in enumerate(self._cameras):
+            view = sighting.views[camera.name]
+            if view is not None:
+                self.present[number] = [preset.name for preset in camera.presets].index(view)
+
+
+def _first_step(reach: Bool[np.ndarray, "presets presets"], now: int, then: int) -> int | None:
+    """The first step of a shortest way to a preset; ``None`` if there is no way."""
     came_from = {now: now}
     queue = deque([now])
     while queue:
         here = queue.popleft()
-        for there in range(len(reach)):  # type: ignore[arg-type]
-            if reach[here, there] and there not in came_from:  # type: ignore[index]
+        for there in map(int, np.flatnonzero(reach[here])):
+            if there not in came_from:
                 came_from[there] = here
                 queue.append(there)
     if then not in came_from:
-        return now
+        return None
     while came_from[then] != now:
         then = came_from[then]
     return then

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Int
 
 from surveillance_domain.control.base import Controller
 from surveillance_domain.control.blind import StaticController, SystematicController
@@ -71,10 +72,11 @@ def make_controller(name: str, surveillance: Surveillance, setting: Setting) -> 
     raise ValueError(f"no controller {name!r} (there are: {', '.join(CONTROLLERS)})")
 
 
-def _future(setting: Setting) -> np.ndarray:
+def _future(setting: Setting) -> Int[np.ndarray, "steps targets"]:
+    """True cells after each step: a truth's steps can be taken before the world takes them."""
     truth = setting.world.truth
-    cells = []
-    for _ in range(setting.steps):
+    cells = np.empty((setting.steps, len(truth.cells)), dtype=np.int64)
+    for step in range(setting.steps):
         truth = truth.step()
-        cells.append(truth.cells)
-    return np.array(cells)
+        cells[step] = truth.cells
+    return cells

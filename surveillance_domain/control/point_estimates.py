@@ -13,8 +13,8 @@ from jaxtyping import Float, Int
 
 from factored_pomdp.beliefs import initial_belief
 from factored_pomdp.variables import Value
-from solvers.myopic import DecomposedMyopic
 from surveillance_domain.control.base import Choice
+from surveillance_domain.control.choosing import PresetChooser
 from surveillance_domain.model.build import Surveillance
 
 __all__ = ["PointEstimates", "PointPlanner"]
@@ -40,41 +40,33 @@ class PointEstimates:
 
 
 class PointPlanner:
-    """Maximises the expected number of targets observed in the next step, given point estimates."""
+    """Maximises the expected number of targets observed in the next step, given point estimates.
+
+    Attributes
+    ----------
+    present : dict
+        Actual preset of each camera (under its variable's name); ``None`` while it is away.
+    """
 
     def __init__(self, surveillance: Surveillance) -> None:
         self._belief = initial_belief(surveillance.model)
-        self._solver = DecomposedMyopic(surveillance.model)
-        self._cameras = tuple(camera.name for camera in surveillance.site.cameras)
-        self._grid = surveillance.site.grid
+        self._chooser = PresetChooser(surveillance)
+        self._cells = surveillance.site.grid.size
         self.present: Mapping[str, Value] = dict(self._belief.known)
 
     def choose(self, estimates: PointEstimates) -> Choice:
         """The best presets among those reachable from where the cameras are."""
-        array = self.array(estimates)
-        belief = self._belief.with_arrays([array], known=self.present)
-        prefer = {f"{name}.move": self.present[f"{name}.preset"] for name in self._cameras}
-        decision = self._solver.decide(belief, prefer=prefer)
-        presets = {name: str(decision.action[f"{name}.move"]) for name in self._cameras}
-        return Choice(presets, decision.value, decision.upper_bound, decision.method)
-
-    def array(self, estimates: PointEstimates) -> Float[np.ndarray, "states targets"]:
-        """The estimates as a stack of beliefs; zero columns where nothing is known."""
-        targets = len(estimates.cells)
-        shape = (self._grid.size, estimates.headings.shape[1], estimates.paces.shape[1], targets)
-        array = np.zeros(shape)
-        placed = np.flatnonzero(estimates.cells >= 0)
-        motion = np.einsum("td,tv->dvt", estimates.headings[placed], estimates.paces[placed])
-        array[estimates.cells[placed], :, :, placed] = np.moveaxis(motion, -1, 0)
-        return array.reshape(-1, targets)
-
-    def predicted(self, estimates: PointEstimates) -> Float[np.ndarray, "cells directions speeds targets"]:
-        """Where the targets would be one step later."""
-        belief = self._belief.with_arrays([self.array(estimates)], known=self.present)
-        action = {f"{name}.move": self.present[f"{name}.preset"] for name in self._cameras}
-        predicted = belief.predict(action).arrays[0]
-        return predicted.reshape(self._grid.size, estimates.headings.shape[1], estimates.paces.shape[1], -1)
+        return self._chooser.choose(self._belief.with_arrays([self._array(estimates)], known=self.present))
 
     def turned(self, views: Mapping[str, str | None]) -> None:
         """Learn where the cameras really are."""
         self.present = {f"{name}.preset": view for name, view in views.items()}
+
+    def _array(self, estimates: PointEstimates) -> Float[np.ndarray, "states targets"]:
+        """The estimates as a stack of beliefs; zero columns where nothing is known."""
+        targets = len(estimates.cells)
+        array = np.zeros((self._cells, estimates.headings.shape[1], estimates.paces.shape[1], targets))
+        placed = np.flatnonzero(estimates.cells >= 0)
+        motion = np.einsum("td,tv->tdv", estimates.headings[placed], estimates.paces[placed])
+        array[estimates.cells[placed], :, :, placed] = motion
+        return array.reshape(-1, targets)

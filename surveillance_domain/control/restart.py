@@ -1,8 +1,9 @@
 """What becomes of a target's belief when the model calls the sighting impossible (model.md, "Zero mass").
 
-A target seen where its belief has no mass starts anew at that cell, with every direction that can lead there. One that was not
-seen although all its mass was in view starts anew over the free cells out of view within one longest move plus one cell of
-where it was thought to be; if there are none, over all cells out of view; if there are none either, the prediction stands.
+A target seen where its belief has no mass starts anew at that cell, with every direction that can lead there. One that
+was not seen although all its mass was in view starts anew over the free cells out of view within one longest move plus
+one cell (along each axis, as moves are shared among cells) of where it was thought to be; if there are none, over all
+cells out of view; if there are none either, the prediction stands.
 """
 
 from __future__ import annotations
@@ -19,15 +20,17 @@ from surveillance_domain.model.build import UNSEEN, Surveillance, motion_paramet
 
 __all__ = ["TargetRestart"]
 
+_ROUNDING = 1e-9
+
 
 class TargetRestart:
-    """Gives a target a new belief; callable, as `ProductBelief.condition` wants its ``restart`` once ``previous`` is bound."""
+    """Gives a target a new belief: the ``restart`` of `ProductBelief.condition`, once ``previous`` is bound."""
 
     def __init__(self, surveillance: Surveillance) -> None:
         self._surveillance = surveillance
         parameters = motion_parameters(surveillance.site)
         longest = max(parameters.speeds_mps) * parameters.step_s / surveillance.site.grid.cell_m
-        self._reach = math.ceil(longest) + 1
+        self._reach = math.floor(longest + 1 + _ROUNDING)
 
     def __call__(
         self,
@@ -58,12 +61,23 @@ class TargetRestart:
 
     @cached_property
     def _arrivals(self) -> Float[np.ndarray, "cells directions speeds"]:
-        """For each cell the directions and speeds with which a target can have come into it; all where none can."""
+        """For each cell the directions and speeds with which a target can have come into it; all where none can.
+
+        A pair counts if some cell leads there in that direction at that speed and the direction can be taken in that
+        cell: the location table alone has entries for directions that walls rule out.
+        """
         model, target = self._surveillance.model, self._surveillance.targets[0]
-        scope = [model.variable(f"{target}.{part}.next") for part in ("location", "direction", "speed")]
+        place, heading, speed = (model.variable(f"{target}.{part}") for part in ("location", "direction", "speed"))
         table = model.transition[f"{target}.location"].sparse()
-        came = np.zeros([variable.size for variable in scope], dtype=bool)
-        came[tuple(table.coordinates[:, table.scope.index(variable)] for variable in scope)] = True
+        turning = model.transition[f"{target}.direction"].dense()
+        before, taken, pace, after = (
+            table.coordinates[:, table.scope.index(variable)]
+            for variable in (place, heading.next, speed.next, place.next)
+        )
+        possible = turning.array.max(axis=turning.scope.index(heading)) > 0
+        possible = possible[before, pace, taken] if place in turning.scope else possible[taken]
+        came = np.zeros((place.size, heading.size, speed.size), dtype=bool)
+        came[after[possible], taken[possible], pace[possible]] = True
         came[~came.any(axis=(1, 2))] = True
         return np.asarray(came / came.sum(axis=(1, 2), keepdims=True))
 

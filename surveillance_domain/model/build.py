@@ -1,8 +1,9 @@
-"""The surveillance problem as a factored POMDP (the tuple of sec. staact, read as the design's model page settles it)."""
+"""Surveillance as a factored POMDP: the tuple of sec. staact, read as the design's model page settles it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import count, islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -58,9 +59,10 @@ def motion_parameters(site: Site) -> MotionParameters:
 
 
 def target_names(site: Site, targets: int) -> tuple[str, ...]:
-    """Names that the site knows, then ``target<k>``."""
+    """Names that the site knows, then ``target<k>`` for the k-th, a name that is taken being passed over."""
     known = [target.name for target in site.targets.known[:targets]]
-    return (*known, *(f"target{number}" for number in range(len(known) + 1, targets + 1)))
+    others = (f"target{number}" for number in count(len(known) + 1) if f"target{number}" not in known)
+    return (*known, *islice(others, targets - len(known)))
 
 
 def surveillance_model(site: Site, targets: int) -> Surveillance:
@@ -78,7 +80,9 @@ def surveillance_model(site: Site, targets: int) -> Surveillance:
     if targets < 1:
         raise ValueError(f"targets={targets}: expected 1 or more")
     if site.targets.doors:
-        raise ValueError(f"site {site.name}: targets that come and go through doors cannot be simulated yet; remove targets.doors")
+        raise ValueError(
+            f"site {site.name}: targets that come and go through doors cannot be simulated yet; remove targets.doors"
+        )
     views = build_views(site)
     pattern = _Pattern(site, views, motion_tables(site.grid, motion_parameters(site)))
     names = target_names(site, targets)
@@ -103,7 +107,8 @@ def surveillance_model(site: Site, targets: int) -> Surveillance:
             legal[move.name] = DenseFactor([preset, move], reach)
     model = FactoredPOMDP(
         name=f"surveillance of {site.name} with {targets} target{'s' if targets > 1 else ''}",
-        states=[pattern.state[x].renamed(pattern.renaming(n)[x]) for n in names for x in ("l", "d", "v")] + pattern.presets,
+        states=[pattern.state[x].renamed(pattern.renaming(n)[x]) for n in names for x in ("l", "d", "v")]
+        + pattern.presets,
         actions=pattern.moves,
         observations=[pattern.sighting.renamed(f"{name}.sighting") for name in names],
         transition=transition,

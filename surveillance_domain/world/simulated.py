@@ -1,7 +1,7 @@
 """The simulated world: targets move by a truth, cameras turn to their presets, detections are drawn.
 
-Random numbers are common to all controllers: what target k does, and the luck of camera i with target k at step t, depend on
-the seed alone, not on what the controller chose.
+Random numbers are common to all controllers: what target k does, and the luck of camera i with target k at step t,
+depend on the seed alone, not on what the controller chose.
 """
 
 from __future__ import annotations
@@ -59,17 +59,16 @@ class SimulatedWorld:
             Naming a camera or preset that is not there, or cannot be reached in one step.
         """
         names = {camera.name: [preset.name for preset in camera.presets] for camera in self._site.cameras}
-        wanted = {}
-        for camera, preset in presets.items():
-            if camera not in names or preset not in names[camera]:
-                raise ValueError(f"no camera {camera!r} with a preset {preset!r} at site {self._site.name}")
-            wanted[camera] = names[camera].index(preset)
-        for number, camera in enumerate(self._site.cameras):
-            now, then = self._preset[camera.name], wanted.get(camera.name, self._preset[camera.name])
-            if not self._reach[number][now, then]:
+        wanted = dict(self._preset)
+        for name, preset in presets.items():
+            if name not in names or preset not in names[name]:
+                raise ValueError(f"no camera {name!r} with a preset {preset!r} at site {self._site.name}")
+            wanted[name] = names[name].index(preset)
+        for camera, reach in zip(self._site.cameras, self._reach, strict=True):
+            if not reach[self._preset[camera.name], wanted[camera.name]]:
                 step = f"{self._site.control.step_s:g} s"
                 raise ValueError(f"{camera.name} does not reach {presets[camera.name]!r} within one step of {step}")
-        self._preset.update(wanted)
+        self._preset = wanted
 
     def observe(self) -> Sighting:
         """Move the targets by one step and look."""

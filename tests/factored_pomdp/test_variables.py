@@ -26,7 +26,7 @@ def test_the_next_slice_has_the_same_values_and_leads_back() -> None:
     assert weather.next.now == weather
     assert weather.now is weather
     assert weather.next.index("rain") == 1
-    with pytest.raises(ValueError, match="'weather.next' is of the next slice already"):
+    with pytest.raises(ValueError, match=r"'weather\.next' is of the next slice already"):
         _ = weather.next.next
 
 

@@ -225,6 +225,9 @@ def _read(result: Any, child: Variable | None) -> float | int | dict[int, float]
 
 
 def _near(name: str, variables: Mapping[str, Any]) -> str:
+    later = next((other for other in (f"{name}_next", f"{name}.next") if other in variables), None)
+    if later is not None:
+        return f" (did you mean {later!r}?)"
     return did_you_mean(name, variables)
 
 

@@ -134,7 +134,7 @@ class DecomposedMyopic:
 
     def _reweighable(self, plan: StackPlan, reward: Factor) -> tuple[Variable, ...]:
         """The next variables whose predicted mass is all that a local function takes from the belief, if that is so."""
-        used = _needed(reward, plan)
+        used = list(self._needed(reward, plan, {}).values())
         actions = any(variable in self.model.actions for variable in plan.prediction.context)
         if (
             actions
@@ -150,19 +150,34 @@ class DecomposedMyopic:
         """One reward term of some members of a stack, over actions and known variables' next values."""
         plan = belief.plan.stacks[number]
         rename = {old: new for old, new in names.items() if old in plan.stack.own}
-        used = _needed(reward, plan)
-        inner_now = [v for v in plan.variables if any(v in factor.scope for factor in (reward, *used))]
-        factors = [factor.condition(_given(factor, belief.known, rename)) for factor in (reward, *used)]
+        used = self._needed(reward, plan, rename)
+        inner_now = [v for v in plan.variables if any(v in factor.scope for factor in (reward, *used.values()))]
+        factors = [factor.condition(_given(factor, belief.known, rename)) for factor in (reward, *used.values())]
         if inner_now:
             state = _weights(belief.arrays[number], columns, plan, plan.variables)
             moves = [f.condition(_given(f, belief.known, rename)) for f in plan.stack.pattern.transition.values()]
-            inner = {v for v in (*plan.variables, *(w.next for w in plan.variables))} | {s.child for s in plan.seen}
+            inner = {v for v in (*plan.variables, *(w.next for w in plan.variables))} | set(used)
             keep = [v for f in (*factors, *moves) for v in f.scope if v not in inner]
             return contract([state, *moves, *factors], keep).renamed(rename)
         hidden = [v.next for v in plan.variables if any(v.next in factor.scope for factor in factors)]
         weights = self._predicted(belief, number, columns, rename, hidden)
-        expected = _expected(weights, factors, plan)
+        expected = _expected(weights, factors, {*used, *(variable.next for variable in plan.variables)})
         return expected.renamed(rename)
+
+    def _needed(self, reward: Factor, plan: StackPlan, rename: Mapping[str, str]) -> dict[Variable, Factor]:
+        """Distributions of the observations and moved known variables that a reward reads, and of those they read."""
+        seen = {seen.child: plan.stack.pattern.likelihood[seen.name] for seen in plan.seen}
+        laws, back = self.plan.structure.laws, {own: old for old, own in rename.items()}
+        needed: dict[Variable, Factor] = {}
+        waiting = list(reward.scope)
+        while waiting:
+            variable = waiting.pop()
+            law = laws.get(rename.get(variable.name, variable.name)) if not variable.is_next else None
+            factor = seen.get(variable, law.renamed(back) if law is not None else None)
+            if factor is not None and variable not in needed:
+                needed[variable] = factor
+                waiting += factor.scope
+        return needed
 
     def _predicted(
         self,
@@ -252,19 +267,6 @@ def _alike(belief: ProductBelief, number: int, reward: Factor) -> list[tuple[lis
     return [([column], names) for column, names in enumerate(members)]
 
 
-def _needed(reward: Factor, plan: StackPlan) -> list[Factor]:
-    """Distributions of what a reward reads of the things that are seen of a block, and of what those read."""
-    laws = {seen.child: plan.stack.pattern.likelihood[seen.name] for seen in plan.seen}
-    needed: dict[Variable, Factor] = {}
-    waiting = list(reward.scope)
-    while waiting:
-        variable = waiting.pop()
-        if variable in laws and variable not in needed:
-            needed[variable] = laws[variable]
-            waiting += laws[variable].scope
-    return list(needed.values())
-
-
 def _weights(
     array: np.ndarray, columns: list[int] | None, plan: StackPlan, keep: Sequence[Variable], after: bool = False
 ) -> DenseFactor:
@@ -274,12 +276,10 @@ def _weights(
     return DenseFactor([v for v in scope if v in keep], mass.reshape(plan.shape).sum(axis=axes))
 
 
-def _expected(weights: Factor, factors: list[Factor], plan: StackPlan) -> Factor:
-    """Sum over hidden variables and observations of weights · reward · likelihoods."""
-    children = {seen.child for seen in plan.seen}
-    hidden = {variable.next for variable in plan.variables}
+def _expected(weights: Factor, factors: list[Factor], inner: set[Variable]) -> Factor:
+    """Sum over hidden variables and what is seen of them (``inner``) of weights · reward · likelihoods."""
     reward, others = factors[0], factors[1:]
-    if len(others) == 1 and isinstance(others[0], NoisyOr) and not set(others[0].cause_variables) & hidden:
+    if len(others) == 1 and isinstance(others[0], NoisyOr) and not set(others[0].cause_variables) & inner:
         noisy = others[0]
         inside = {*noisy.context, noisy.child}
         if set(reward.scope) <= inside and set(weights.scope) == set(noisy.context):
@@ -290,7 +290,7 @@ def _expected(weights: Factor, factors: list[Factor], plan: StackPlan) -> Factor
                     reward.array_over([*noisy.context, noisy.child]), [v.size for v in (*noisy.context, noisy.child)]
                 ).reshape(count(noisy.context), noisy.child.size)
             return ExpectedNoisyOr.of(noisy, weights.array_over(noisy.context).ravel(), payoff)
-    keep = [v for factor in (weights, *factors) for v in factor.scope if v not in children and v not in hidden]
+    keep = [v for factor in (weights, *factors) for v in factor.scope if v not in inner]
     return contract([weights, *factors], keep) if factors else constant(0.0)
 
 

@@ -14,7 +14,7 @@ from functools import reduce
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from factored_pomdp.contraction import contract
 from factored_pomdp.errors import TooLarge
@@ -49,6 +49,8 @@ class Joint:
         Expected reward of a step, ``E[R | s, a]``.
     initial : (N,) float
     discount : float
+    terminal : (N,) bool
+        States that an episode ends on entering. Here they are absorbing, and what happens in them earns nothing.
     """
 
     states: tuple[Variable, ...]
@@ -59,6 +61,7 @@ class Joint:
     reward: Float[np.ndarray, "actions states"]
     initial: Float[np.ndarray, " states"]
     discount: float
+    terminal: Bool[np.ndarray, " states"]
 
 
 def joint(model: FactoredPOMDP, most_bytes: int = MOST_BYTES) -> Joint:
@@ -85,8 +88,15 @@ def joint(model: FactoredPOMDP, most_bytes: int = MOST_BYTES) -> Joint:
     transition = [_matrix(model.transition.values(), action, states, after) for action in actions]
     observation = [_matrix(model.observation.values(), action, after, model.observations) for action in actions]
     reward = np.stack([_expected_reward(model, action) for action in actions])
+    terminal = np.zeros(model.joint_states, dtype=bool)
+    if model.terminal is not None:
+        terminal = _laid_out(model.terminal, states) != 0
+        transition = [_absorbing(matrix, terminal) for matrix in transition]
+        reward[:, terminal] = 0.0
     initial = _laid_out(contract(model.initial.values(), states), states)
-    return Joint(states, actions, observations, transition, observation, reward, initial, float(model.discount))
+    return Joint(
+        states, actions, observations, transition, observation, reward, initial, float(model.discount), terminal
+    )
 
 
 def estimate(model: FactoredPOMDP) -> int:
@@ -135,6 +145,17 @@ def _parents_first(
         child = next(c for c, factor in left.items() if not any(v in left for v in factor.scope if v != c))
         ordered.append(left.pop(child).condition(action).sparse())
     return ordered
+
+
+def _absorbing(matrix: Any, terminal: Bool[np.ndarray, " states"]) -> Any:
+    """The same matrix with each terminal state leading to itself."""
+    from scipy import sparse
+
+    ends = sparse.diags_array(terminal.astype(float))
+    stays = sparse.diags_array((~terminal).astype(float))
+    absorbing = sparse.csr_array(stays @ matrix + ends)
+    absorbing.eliminate_zeros()
+    return absorbing
 
 
 def _expected_reward(model: FactoredPOMDP, action: Mapping[str, Value]) -> Float[np.ndarray, " states"]:

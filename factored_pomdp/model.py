@@ -8,7 +8,7 @@ from typing import Any
 
 from factored_pomdp.errors import Fault, ModelError, did_you_mean
 from factored_pomdp.factors import Factor
-from factored_pomdp.specification import Specification, resolve
+from factored_pomdp.specification import Specification, resolve, table
 from factored_pomdp.validation import checked_distribution, checked_reward, is_certain
 from factored_pomdp.variables import Value, Variable, count
 
@@ -46,6 +46,9 @@ class FactoredPOMDP:
         within a group is reported.
     legal : mapping of action name to function
         For an action variable, a function of (known state variables, that action) which says whether it may be chosen.
+    terminal : specification, optional
+        A function of state variables, not zero where an episode ends on entering the state. With one state variable, a
+        mapping of its values will do; those left out are not terminal.
 
     Attributes
     ----------
@@ -67,6 +70,7 @@ class FactoredPOMDP:
         known: Iterable[str] = (),
         groups: Iterable[Iterable[str]] = (),
         legal: Mapping[str, Callable[..., Any] | Specification] | None = None,
+        terminal: Specification | None = None,
         name: str = "model",
     ) -> None:
         self.name, self.discount = name, discount
@@ -90,6 +94,7 @@ class FactoredPOMDP:
         )
         self.reward = build.rewards(reward, everything)
         self.legal = build.legal(legal or {}, action, state)
+        self.terminal = build.terminal(terminal, state)
         build.acyclic("initial", self.initial)
         build.acyclic("transition", self.transition)
         build.known(self.declared_known, self.initial)
@@ -129,6 +134,10 @@ class FactoredPOMDP:
     def observed(self, observation: Any) -> dict[str, Value]:
         """Values of observation variables; those left out were not observed."""
         return self._assignment(observation, self.observations, "observation", complete=False)
+
+    def is_terminal(self, state: Mapping[str, Value]) -> bool:
+        """Whether an episode ends on entering this state."""
+        return self.terminal is not None and bool(self.terminal.value(state))
 
     def is_legal(self, action: Mapping[str, Value], known: Mapping[str, Value]) -> bool:
         """Whether every action variable's value may be chosen in a known state (unknown parts forbid nothing)."""
@@ -262,6 +271,15 @@ class _Builder:
                 self.faults.append(Fault(f"legal {name}", "a state without any legal action", "at least one"))
             factors[name] = factor
         return factors
+
+    def terminal(self, given: Specification | None, states: dict[str, Variable]) -> Factor | None:
+        if given is None:
+            return None
+        if isinstance(given, Mapping) and len(states) == 1:
+            (only,) = states.values()
+            given = table(only, values=dict.fromkeys(only.values, 0.0) | dict(given))
+        factor = resolve(given, None, states, "terminal", self.faults)
+        return None if factor is None else checked_reward(factor, "terminal", self.faults)
 
     def known(self, declared: Iterable[str], initial: Mapping[str, Factor]) -> None:
         """Note the variables that are declared known, but whose start is not."""

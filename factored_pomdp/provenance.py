@@ -50,6 +50,9 @@ def digest(model: FactoredPOMDP) -> str:
             for name, factor in getattr(model, kind).items():
                 found.update(repr((kind, name, factor.names)).encode())
                 found.update(_of_table(factor, tables))
+        if model.terminal is not None:
+            found.update(repr(("terminal", model.terminal.names)).encode())
+            found.update(_of_table(model.terminal, tables))
         _DIGESTS[model] = f"sha256:{found.hexdigest()}"
     return _DIGESTS[model]
 

@@ -57,13 +57,27 @@ class Simulation:
         next state, observation : dict
         reward : float
             Of this very transition and observation, not its expectation.
+
+        Notes
+        -----
+        Where ``model.is_terminal(next state)``, the episode is over. A step from a terminal state stays there and earns
+        nothing, as in the joint expansion.
         """
         given: Assignment = {**state, **self.model.action(action)}
+        if self.model.is_terminal(state):
+            return self._stay(given, rng)
         for sampler in (*self._transition, *self._observation):
             given[sampler.child.name] = sampler.draw(given, rng)
         reward = sum(factor.value(given) for factor in self.model.reward.values())
         after = {variable.name: given[variable.next.name] for variable in self.model.states}
         return after, {variable.name: given[variable.name] for variable in self.model.observations}, reward
+
+    def _stay(self, given: Assignment, rng: np.random.Generator) -> tuple[Assignment, Assignment, float]:
+        state = {variable.name: given[variable.name] for variable in self.model.states}
+        given |= {variable.next.name: given[variable.name] for variable in self.model.states}
+        for sampler in self._observation:
+            given[sampler.child.name] = sampler.draw(given, rng)
+        return state, {variable.name: given[variable.name] for variable in self.model.observations}, 0.0
 
 
 class _Sampler:

@@ -139,23 +139,61 @@ def test_a_large_function_with_few_outcomes_is_kept_sparse() -> None:
 @pytest.mark.parametrize(
     ("specification", "message"),
     [
-        (lambda wether, akt: "sun", "here: found a function of the unknown 'wether', 'akt'; expected parameters named as variables (did you mean 'weather'?)"),
+        (
+            lambda wether, akt: "sun",
+            "unknown 'wether', 'akt'; expected parameters named as variables (did you mean 'weather'?)",
+        ),
         (table("weather", "moon", "weather.next", values=NUMBERS), "here: found the unknown variable 'moon'"),
-        (table("weather.next", "weather", values=[[1, 0], [0, 1]]), "here: found axes weather.next, weather; expected weather.next as the last axis"),
-        (table("act", "act", "weather.next", values=NUMBERS), "here: found axes act, act, weather.next; expected every axis once"),
-        (table("weather", "weather.next", values=NUMBERS), "here: found an array of shape (2, 2, 2); expected shape (2, 2) for (weather, weather.next)"),
-        (table("weather", "weather.next", values={"sun": {"sun": 1}}), "here: found no entry for weather='rain'; expected every value listed"),
-        (table("weather", "act", "weather.next", values={"sun": {"wait": {"sun": 1}}, "rain": {"wait": {"sun": 1}, "go": {"sun": 1}}}), "here: found no entry for act='go' at weather=sun"),
-        (table("weather", "weather.next", values={"sun": {"sun": "much"}, "rain": {"sun": 1}}), "here: found 'much' at weather=sun, weather.next=sun; expected a number"),
-        (table("weather", "weather.next", values={"sun": {"sun": 1}, "rain": 1.0}), "here: found 1.0 where values of 'weather.next' are listed"),
-        (table("weather", "weather.next", values={"sun": {"sun": 1}, "snow": {"sun": 1}}), "'weather' has no value 'snow'"),
+        (
+            table("weather.next", "weather", values=[[1, 0], [0, 1]]),
+            "here: found axes weather.next, weather; expected weather.next as the last axis",
+        ),
+        (
+            table("act", "act", "weather.next", values=NUMBERS),
+            "here: found axes act, act, weather.next; expected every axis once",
+        ),
+        (
+            table("weather", "weather.next", values=NUMBERS),
+            "here: found an array of shape (2, 2, 2); expected shape (2, 2) for (weather, weather.next)",
+        ),
+        (
+            table("weather", "weather.next", values={"sun": {"sun": 1}}),
+            "here: found no entry for weather='rain'; expected every value listed",
+        ),
+        (
+            table(
+                "weather",
+                "act",
+                "weather.next",
+                values={"sun": {"wait": {"sun": 1}}, "rain": {"wait": {"sun": 1}, "go": {"sun": 1}}},
+            ),
+            "here: found no entry for act='go' at weather=sun",
+        ),
+        (
+            table("weather", "weather.next", values={"sun": {"sun": "much"}, "rain": {"sun": 1}}),
+            "here: found 'much' at weather=sun, weather.next=sun; expected a number",
+        ),
+        (
+            table("weather", "weather.next", values={"sun": {"sun": 1}, "rain": 1.0}),
+            "here: found 1.0 where values of 'weather.next' are listed",
+        ),
+        (
+            table("weather", "weather.next", values={"sun": {"sun": 1}, "snow": {"sun": 1}}),
+            "'weather' has no value 'snow'",
+        ),
         ("snow", "here: found 'snow'; expected a function, a fp.table(…), a Factor or a value"),
         (lambda weather: "snow", None),
         (DenseFactor([WEATHER, Variable("moon", [0])], [[1], [1]]), "here: found the unknown variable 'moon'"),
-        (DenseFactor([Variable("weather", "abc"), WEATHER.next], np.ones((3, 2)) / 2), "here: found another 'weather' with 3 values"),
-        (DenseFactor([WEATHER, ACT], np.ones((2, 2))), "here: found a factor over weather, act; expected weather.next in its scope"),
+        (
+            DenseFactor([Variable("weather", "abc"), WEATHER.next], np.ones((3, 2)) / 2),
+            "here: found another 'weather' with 3 values",
+        ),
+        (
+            DenseFactor([WEATHER, ACT], np.ones((2, 2))),
+            "here: found a factor over weather, act; expected weather.next in its scope",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_read(specification: Any, message: str | None) -> None:
     if message is not None:
         assert message in fault(specification)
@@ -172,10 +210,14 @@ def test_what_cannot_be_read(specification: Any, message: str | None) -> None:
     [
         (lambda weather: {"sun": 1.0}[weather], WEATHER.next, "KeyError ('rain')"),
         (lambda weather: {weather: "all"}, WEATHER.next, "{'rain': 'all'} ("),
-        (lambda weather: {"sun": 1.0} if weather == "sun" else {"mist": 1.0}, WEATHER.next, "{'mist': 1.0} ('weather.next' has no value 'mist'"),
+        (
+            lambda weather: {"sun": 1.0} if weather == "sun" else {"mist": 1.0},
+            WEATHER.next,
+            "{'mist': 1.0} ('weather.next' has no value 'mist'",
+        ),
         (lambda weather: 1.0 if weather == "sun" else "a lot", None, "'a lot' ("),
     ],
-)  # fmt: skip
+)
 def test_faults_of_functions_name_the_assignment(function: Callable, child: Variable | None, found: str) -> None:
     noted: list[Fault] = []
     assert resolved(function, child, noted) is None

@@ -23,7 +23,7 @@ from factored_pomdp.variables import Value, Variable
 __all__ = ["counterexample_of"]
 
 _SHOWS = 1e-6
-_TRIALS = 60
+_TRIALS = 30
 _SEED = 0
 
 Belief = dict[str, dict[Value, float]]

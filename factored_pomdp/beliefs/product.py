@@ -48,7 +48,7 @@ class ProductBelief:
 
     plan: Plan
     known: Mapping[str, Value]
-    arrays: tuple[Float[np.ndarray, "states members"], ...]
+    arrays: tuple[Float[np.ndarray, "_states _members"], ...]
     members: tuple[tuple[Names, ...], ...]
     approximations: tuple[str, ...] = ()
     project: bool = False

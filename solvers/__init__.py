@@ -6,14 +6,25 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from solvers.base import Ability, Decision
     from solvers.maximise import maximise
+    from solvers.mdp import MDP
     from solvers.myopic import DecomposedMyopic
     from solvers.myopic_joint import JointMyopic
+    from solvers.point_based import PointBased
+    from solvers.solution import Limits, Progress, Solution
+    from solvers.upper_bounds import FIB, QMDP
 
 _HOME_OF = {
     "Ability": "base",
     "Decision": "base",
     "DecomposedMyopic": "myopic",
+    "FIB": "upper_bounds",
     "JointMyopic": "myopic_joint",
+    "Limits": "solution",
+    "MDP": "mdp",
+    "PointBased": "point_based",
+    "Progress": "solution",
+    "QMDP": "upper_bounds",
+    "Solution": "solution",
     "maximise": "maximise",
 }
 

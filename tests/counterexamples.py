@@ -63,7 +63,7 @@ def _two_beliefs(model: fp.FactoredPOMDP, tie: Tie, shown: Assignment) -> None:
 
 def _value(model: fp.FactoredPOMDP, tie: Tie, shown: Assignment) -> None:
     assert tie.kind == "reward"
-    first, second = _two_things(tie, set(shown["ends"]))
+    first, _ = _two_things(tie, set(shown["ends"]))
     reward = model.reward[tie.factor.removeprefix("reward ")]
     numbers = {}
     for one, two in itertools.product((0, 1), repeat=2):

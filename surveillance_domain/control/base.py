@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from surveillance_domain.world.base import Sighting
 
@@ -30,6 +30,7 @@ class Choice:
     method: str = ""
 
 
+@runtime_checkable
 class Controller(Protocol):
     """One of the paper's methods, or a bound."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from surveillance_domain.world.truth import Truth
 
@@ -35,6 +35,7 @@ class Sighting:
     static: Mapping[str, Cell | None] = field(default_factory=dict)
 
 
+@runtime_checkable
 class World(Protocol):
     """Something with cameras in it: simulated, or a network of real ones."""
 
@@ -45,6 +46,7 @@ class World(Protocol):
         """Let one step pass and report what was seen at its end."""
 
 
+@runtime_checkable
 class TrueWorld(Protocol):
     """A world that knows the truth; no controller but the bounds is shown it."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 __all__ = ["Truth"]
 
 
+@runtime_checkable
 class Truth(Protocol):
     """The targets' true states at one time step; a step gives a new truth and leaves this one as it is."""
 

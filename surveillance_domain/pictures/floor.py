@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float
 
 from surveillance_domain.pictures.style import FREE, INK, WALL
 from surveillance_domain.site.camera import Camera
@@ -14,7 +14,7 @@ from surveillance_domain.site.grid import Grid
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["draw_camera", "draw_cells", "draw_floor", "extent_m"]
+__all__ = ["draw_camera", "draw_cells", "draw_floor", "extent_m", "outline_m"]
 
 
 def extent_m(grid: Grid) -> tuple[float, float, float, float]:
@@ -55,11 +55,13 @@ def draw_cells(axes: Axes, grid: Grid, cells: Bool[np.ndarray, " cells"], colour
     tint = np.zeros((*member.shape, 4))
     tint[member] = to_rgba(colour, alpha)
     axes.imshow(tint, origin="lower", extent=extent_m(grid), interpolation="nearest", zorder=2)
-    lines = LineCollection(list(_outline(grid, member)), colors=colour, linewidths=1.0, capstyle="projecting", zorder=3)
+    lines = LineCollection(
+        list(outline_m(grid, member)), colors=colour, linewidths=1.0, capstyle="projecting", zorder=3
+    )
     axes.add_collection(lines)
 
 
-def _outline(grid: Grid, member: Bool[np.ndarray, "rows columns"]) -> np.ndarray:
+def outline_m(grid: Grid, member: Bool[np.ndarray, "rows columns"]) -> Float[np.ndarray, "edges 2 2"]:
     """The edges between cells that belong and cells that do not, as (edges, 2 ends, 2) in metres."""
     padded = np.pad(member, 1)
     row, column = np.nonzero(padded[1:-1, 1:] != padded[1:-1, :-1])

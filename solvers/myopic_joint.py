@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
+from functools import reduce
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from factored_pomdp.beliefs import JointBelief
 from factored_pomdp.beliefs.plan import plan_of
 from factored_pomdp.contraction import contract
 from factored_pomdp.errors import TooLarge
-from factored_pomdp.factors import DenseFactor, Factor
+from factored_pomdp.factors import Factor
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.variables import Value, Variable, count
 from solvers.base import Ability, Decision
@@ -199,15 +200,18 @@ def _expected(
         Over next states and ``seen``.
     """
     total = 0.0
-    masses: dict[frozenset[Variable], Factor] = {}
+    joints: dict[frozenset[Variable], tuple[list[Variable], np.ndarray]] = {}
     for reward in rewards:
-        kept = frozenset(variable for factor in (*tables, reward) for variable in factor.scope)
-        if kept not in masses:
+        kept = frozenset(v for factor in (*tables, reward) for v in factor.scope if v not in seen)
+        if kept not in joints:
             gone = [variable for variable in unnormalised.scope if variable not in kept]
-            masses[kept] = contract([unnormalised.marginalise(*gone) if gone else unnormalised, *tables], kept).dense()
-        probability = contract([masses[kept]], seen).dense()
-        chance = np.divide(1.0, probability.array, out=np.zeros_like(probability.array), where=probability.array > 0)
-        posterior = masses[kept].product(DenseFactor(probability.scope, chance))
-        expected = contract([posterior, reward], seen)
-        total += float(contract([expected, probability], ()).dense().array)
+            mass = unnormalised.marginalise(*gone) if gone else unnormalised
+            axes = [*mass.scope, *seen]
+            joints[kept] = axes, reduce(np.multiply, [table.array_over(axes) for table in (mass, *tables)])
+        axes, joint = joints[kept]
+        states = tuple(range(len(axes) - len(seen)))
+        probability = joint.sum(axis=states)
+        posterior = np.divide(joint, probability, out=np.zeros_like(joint), where=probability > 0)
+        expected = (posterior * reward.array_over(axes)).sum(axis=states)
+        total += float((expected * probability).sum())
     return total

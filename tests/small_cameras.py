@@ -1,4 +1,4 @@
-"""Targets that move among a few cells, and cameras whose presets see some of them: the paper's model, without a plugin."""
+"""Targets that move among a few cells, and cameras whose presets see some of them: the paper's model in small."""
 
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ def test_only_the_contradicted_member_of_a_stack_restarts() -> None:
         transition={name: fp.table(name, values=lambda t: t) for name in names},
         observation={f"o.{name}": fp.table(f"{name}.next", values=lambda t: t) for name in names},
         reward={},
-        initial=dict.fromkeys(names, {0: 0.5, 1: 0.5}),
+        initial={name: {0: 0.5, 1: 0.5} for name in names},
     )
     belief = fp.initial_belief(model).predict("on")
     assert len(belief.arrays) == 1

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from factored_pomdp.errors import Fault, ImpossibleObservation, ModelError, TooLarge
     from factored_pomdp.expansion import Joint, joint
     from factored_pomdp.factors import Cause, DenseFactor, DeterministicFactor, Factor, NoisyOr, SparseFactor
+    from factored_pomdp.files import FileError, load, save
     from factored_pomdp.model import FactoredPOMDP
     from factored_pomdp.registry import domain, solvers
     from factored_pomdp.simulation import Simulation
@@ -26,6 +27,7 @@ _HOMES = {
     "errors": ["Fault", "ImpossibleObservation", "ModelError", "TooLarge"],
     "expansion": ["Joint", "joint"],
     "factors": ["Cause", "DenseFactor", "DeterministicFactor", "Factor", "NoisyOr", "SparseFactor"],
+    "files": ["FileError", "load", "save"],
     "model": ["FactoredPOMDP"],
     "registry": ["domain", "solvers"],
     "simulation": ["Simulation"],

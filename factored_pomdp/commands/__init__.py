@@ -14,6 +14,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     import typer
 
     from factored_pomdp.commands import answers
+    from factored_pomdp.commands.convert import convert
     from factored_pomdp.commands.decompose import decompose
     from factored_pomdp.commands.domains import domains
     from factored_pomdp.commands.info import info
@@ -27,7 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-    for command in (domains, info, decompose, verify):
+    for command in (domains, info, decompose, verify, convert):
         application.command()(answers.guarded(command))
     given = list(sys.argv[1:] if arguments is None else arguments)
     token = answers.COMMAND_LINE.set(shlex.join(["factored-pomdp", *given]))

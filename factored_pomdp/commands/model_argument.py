@@ -1,4 +1,4 @@
-"""MODEL on the command line: an installed domain with options, or a function in a Python file."""
+"""MODEL on the command line: an installed domain with options, a file, or a function in a Python file."""
 
 from __future__ import annotations
 
@@ -19,14 +19,16 @@ if TYPE_CHECKING:
 __all__ = ["ModelName", "Options", "load_model"]
 
 ModelName = Annotated[
-    str, typer.Argument(metavar="MODEL", help="An installed domain (see `domains`), or FILE.py, or FILE.py:FUNCTION.")
+    str,
+    typer.Argument(
+        metavar="MODEL",
+        help="An installed domain (see `domains`), a .pomdp or .pomdpx file, or FILE.py, or FILE.py:FUNCTION.",
+    ),
 ]
 Options = Annotated[
     list[str] | None,
     typer.Option("-o", "--option", metavar="KEY=VALUE", help="An option of the domain, such as targets=2; repeatable."),
 ]
-
-_FORMATS = (".pomdp", ".pomdpx")
 
 
 def load_model(name: str, options: Sequence[str] | None) -> FactoredPOMDP:
@@ -44,9 +46,9 @@ def load_model(name: str, options: Sequence[str] | None) -> FactoredPOMDP:
     given = _pairs(options or ())
     path, _, function = name.rpartition(".py:")
     file, function = (path + ".py", function) if path else (name, "")
-    if Path(file).suffix in _FORMATS:
-        raise InputError(f"{name}: reading {' and '.join(_FORMATS)} files is not possible in this version")
     try:
+        if file.lower().endswith((".pomdp", ".pomdpx")):
+            return _read(Path(file), given)
         if file.endswith(".py"):
             return _from_file(Path(file), function, given)
         return _installed(name, given)
@@ -74,6 +76,17 @@ def _installed(name: str, options: Mapping[str, str]) -> FactoredPOMDP:
     from factored_pomdp import registry
 
     return registry.domain(name, **options)
+
+
+def _read(path: Path, options: Mapping[str, str]) -> FactoredPOMDP:
+    from factored_pomdp.files import load
+
+    if options:
+        raise InputError(f"{path}: a file takes no options, but {', '.join(options)} was given")
+    try:
+        return load(path)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
 
 
 def _from_file(path: Path, function: str, options: Mapping[str, str]) -> FactoredPOMDP:

@@ -1,0 +1,1 @@
+"""Cassandra's ``.pomdp`` format: flat, and nearly every solver's own."""

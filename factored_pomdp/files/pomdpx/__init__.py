@@ -1,0 +1,1 @@
+"""SARSOP's ``.pomdpx`` format: factored, in XML."""

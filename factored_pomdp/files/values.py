@@ -1,0 +1,27 @@
+"""Numbers and names of values, as both formats write them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from factored_pomdp.variables import Variable
+
+__all__ = ["MOST_VALUES", "all_numbers", "lookup"]
+
+MOST_VALUES = 500_000
+"""Values that a file may name or count for one variable."""
+
+
+def all_numbers(words: list[str]) -> np.ndarray | None:
+    """The words as finite numbers, or ``None`` if one of them is none."""
+    try:
+        numbers = np.array(list(map(float, words)))
+    except ValueError:
+        return None
+    return numbers if np.isfinite(numbers).all() else None
+
+
+def lookup(variable: Variable) -> dict[str, int]:
+    """Positions by name, or by number where no name looks like one; ``*`` gives -1."""
+    positions = {str(position): position for position in range(variable.size)}
+    return positions | {str(value): position for position, value in enumerate(variable.values)} | {"*": -1}

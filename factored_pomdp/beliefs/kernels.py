@@ -7,39 +7,51 @@ where another process holds a core).
 
 from __future__ import annotations
 
-from typing import Any, no_type_check
+from functools import cache
+from typing import TYPE_CHECKING, Any, no_type_check
 
 import numpy as np
 from numba import njit
 
+from factored_pomdp.beliefs.vectors import LANES, weighted_rows
+
+if TYPE_CHECKING:
+    from factored_pomdp.beliefs.prediction import Operator
+
 __all__ = ["apply_operator", "noisy_or_columns", "reweigh"]
 
 
-@njit(cache=True, nogil=True)
-@no_type_check
-def apply_operator(indptr: Any, indices: Any, data: Any, column: Any, result: Any) -> None:
-    """``result = operator @ column`` for a CSR operator (states out, states in) and columns (states in, members).
+def apply_operator(
+    operator: Operator, table: np.ndarray, table_at: int, result: np.ndarray, result_at: int, columns: int
+) -> None:
+    """``result = operator @ table`` for some columns of both; at most `MOST_COLUMNS` of them.
 
-    Four entries at a time: the result's row is then loaded and stored a quarter as often.
+    Parameters
+    ----------
+    table, result : (states in, width), (states out, width) float, C-contiguous
+    table_at, result_at : int
+        The first of the columns, there and here.
     """
-    members = column.shape[1]
-    for row in range(result.shape[0]):
-        out = result[row]
-        for member in range(members):
-            out[member] = 0.0
-        entry, end = indptr[row], indptr[row + 1]
-        while entry + 4 <= end:
-            w0, w1, w2, w3 = data[entry], data[entry + 1], data[entry + 2], data[entry + 3]
-            c0, c1 = column[indices[entry]], column[indices[entry + 1]]
-            c2, c3 = column[indices[entry + 2]], column[indices[entry + 3]]
-            for member in range(members):
-                out[member] += w0 * c0[member] + w1 * c1[member] + w2 * c2[member] + w3 * c3[member]
-            entry += 4
-        while entry < end:
-            weight, source = data[entry], column[indices[entry]]
-            for member in range(members):
-                out[member] += weight * source[member]
-            entry += 1
+    vectors = -(-columns // LANES) if columns >= LANES else -columns
+    rows = _rows_kernel(vectors)
+    rows(operator.indptr, operator.indices, operator.data, table, table_at, result, result_at, columns)
+
+
+@cache
+def _rows_kernel(vectors: int) -> Any:
+    """The loop over an operator's rows, compiled for a number of vectors when it is first needed."""
+
+    @njit(cache=True, nogil=True)
+    @no_type_check
+    def apply_rows(
+        indptr: Any, indices: Any, data: Any, table: Any, table_at: int, result: Any, result_at: int, columns: int
+    ) -> None:
+        at = result_at
+        for row in range(result.shape[0]):
+            weighted_rows(data, indices, indptr[row], indptr[row + 1], table, table_at, result, at, columns, vectors)
+            at += result.shape[1]
+
+    return apply_rows
 
 
 @njit(cache=True, nogil=True)

@@ -7,9 +7,8 @@ for a target with place, heading and speed it comes to heading, speed, place: a 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import reduce
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from factored_pomdp.factors import DenseFactor, Factor, SparseFactor
 from factored_pomdp.structure import Block
 from factored_pomdp.variables import Value, Variable, count
 
-__all__ = ["Operator", "Prediction"]
+__all__ = ["Operator", "Prediction", "apply_in_turn"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,14 +27,6 @@ class Operator:
     indices: np.ndarray
     data: np.ndarray
     states: int
-
-    def apply(self, column: np.ndarray) -> np.ndarray:
-        """Map (states in, members) to (states out, members)."""
-        from factored_pomdp.beliefs.kernels import apply_operator
-
-        result = np.empty((self.states, column.shape[1]))
-        apply_operator(self.indptr, self.indices, self.data, column, result)
-        return result
 
 
 class Prediction:
@@ -63,7 +54,31 @@ class Prediction:
 
     def apply(self, array: np.ndarray, assignment: Mapping[str, Value]) -> np.ndarray:
         """Predicted (states, members) of current (states, members)."""
-        return reduce(lambda column, operator: operator.apply(column), self.operators(assignment), array)
+        return apply_in_turn(self.operators(assignment), array)
+
+
+def apply_in_turn(operators: Sequence[Operator], array: np.ndarray) -> np.ndarray:
+    """The product of some operators with (states, members), a few members at a time.
+
+    What lies between two operators then stays in the cache, however many members there are.
+    """
+    from factored_pomdp.beliefs.kernels import apply_operator
+    from factored_pomdp.beliefs.vectors import MOST_COLUMNS
+
+    if not operators:
+        return array
+    members = array.shape[1]
+    width = -(-members // max(1, -(-members // MOST_COLUMNS)))
+    between = [np.empty((operator.states, width)) for operator in operators[:-1]]
+    result = np.empty((operators[-1].states, members))
+    for first in range(0, members, max(1, width)):
+        columns = min(width, members - first)
+        before, at = array, first
+        for operator, table in zip(operators, between, strict=False):
+            apply_operator(operator, before, at, table, 0, columns)
+            before, at = table, 0
+        apply_operator(operators[-1], before, at, result, first, columns)
+    return result
 
 
 def _compile(block: Block, assignment: Mapping[str, Value]) -> list[Operator]:

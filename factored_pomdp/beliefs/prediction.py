@@ -67,13 +67,13 @@ def apply_in_turn(operators: Sequence[Operator], array: np.ndarray) -> np.ndarra
 
     if not operators:
         return array
-    members = array.shape[1]
+    source, members = np.ascontiguousarray(array), array.shape[1]
     width = -(-members // max(1, -(-members // MOST_COLUMNS)))
     between = [np.empty((operator.states, width)) for operator in operators[:-1]]
     result = np.empty((operators[-1].states, members))
     for first in range(0, members, max(1, width)):
         columns = min(width, members - first)
-        before, at = array, first
+        before, at = source, first
         for operator, table in zip(operators, between, strict=False):
             apply_operator(operator, before, at, table, 0, columns)
             before, at = table, 0

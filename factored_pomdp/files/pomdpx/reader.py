@@ -2,7 +2,7 @@
 
 The format is described by the Approximate POMDP Planning project of the National University of Singapore ("PomdpX file
 format, version 1.0") and its schema ``pomdpx.xsd``. All of it is read: several variables of every kind, ``ValueEnum``
-and ``NumValues`` (whose values are ``s0``, ``a0``, ``o0``, …), tables and decision diagrams with templates, functions of
+and ``NumValues`` (values ``s0``, ``a0``, ``o0``, …), tables and decision diagrams with templates, functions of
 several variables together, ``*``, ``-``, ``identity`` and ``uniform``.
 
 The model is as factored as the file: a state variable called ``rover_0`` and then ``rover_1`` is ``rover`` (any other

@@ -129,11 +129,19 @@ class FactoredPOMDP:
 
     def action(self, action: Any) -> dict[str, Value]:
         """A full joint action from a mapping, or from a bare value where there is one action variable."""
-        return self._assignment(action, self.actions, "action", complete=True)
+        return _assignment(action, self._actions_by_name, "action", complete=True)
 
     def observed(self, observation: Any) -> dict[str, Value]:
         """Values of observation variables; those left out were not observed."""
-        return self._assignment(observation, self.observations, "observation", complete=False)
+        return _assignment(observation, self._observations_by_name, "observation", complete=False)
+
+    @cached_property
+    def _actions_by_name(self) -> dict[str, Variable]:
+        return _by_name(self.actions)
+
+    @cached_property
+    def _observations_by_name(self) -> dict[str, Variable]:
+        return _by_name(self.observations)
 
     def is_terminal(self, state: Mapping[str, Value]) -> bool:
         """Whether an episode ends on entering this state."""
@@ -146,23 +154,6 @@ class FactoredPOMDP:
             if all(given.get(name) is not None for name in factor.names) and not factor.value(given):
                 return False
         return True
-
-    def _assignment(
-        self, given: Any, variables: tuple[Variable, ...], what: str, *, complete: bool
-    ) -> dict[str, Value]:
-        if not isinstance(given, Mapping):
-            if len(variables) != 1:
-                raise ValueError(f"{what} {given!r}: expected a mapping of {', '.join(v.name for v in variables)}")
-            given = {variables[0].name: given}
-        by_name = _by_name(variables)
-        for name, value in given.items():
-            if name not in by_name:
-                raise ValueError(f"no {what} variable {name!r}{did_you_mean(name, by_name)}")
-            by_name[name].index(value)
-        missing = [name for name in by_name if name not in given]
-        if complete and missing:
-            raise ValueError(f"{what}: no value for {', '.join(missing)}")
-        return dict(given)
 
     def _name_faults(
         self, given_states: Sequence[Any], given_actions: Sequence[Any], given_observations: Sequence[Any]
@@ -304,6 +295,22 @@ class _Builder:
 
 def _is_usable(variable: Any) -> bool:
     return isinstance(variable, Variable) and not variable.is_next
+
+
+def _assignment(given: Any, variables: Mapping[str, Variable], what: str, *, complete: bool) -> dict[str, Value]:
+    """Checked values by name; a bare value where there is one variable."""
+    if not isinstance(given, Mapping):
+        if len(variables) != 1:
+            raise ValueError(f"{what} {given!r}: expected a mapping of {', '.join(variables)}")
+        given = dict.fromkeys(variables, given)
+    for name, value in given.items():
+        if name not in variables:
+            raise ValueError(f"no {what} variable {name!r}{did_you_mean(name, variables)}")
+        variables[name].index(value)
+    missing = [name for name in variables if name not in given]
+    if complete and missing:
+        raise ValueError(f"{what}: no value for {', '.join(missing)}")
+    return dict(given)
 
 
 def _by_name(variables: Iterable[Variable]) -> dict[str, Variable]:

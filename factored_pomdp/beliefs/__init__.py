@@ -7,6 +7,7 @@ import numpy as np
 from factored_pomdp.beliefs.joint import JointBelief
 from factored_pomdp.beliefs.plan import plan_of
 from factored_pomdp.beliefs.product import ProductBelief
+from factored_pomdp.beliefs.roster import Roster
 from factored_pomdp.contraction import contract_ancestors
 from factored_pomdp.model import FactoredPOMDP
 
@@ -31,9 +32,8 @@ def initial_belief(model: FactoredPOMDP, project: bool = False) -> ProductBelief
             scope = [model.variable(names[variable.name]) for variable in stack.variables]
             columns.append(_start(model, [variable.name for variable in scope]).ravel())
         arrays.append(np.ascontiguousarray(np.stack(columns, axis=1)))
-    belief = ProductBelief(
-        plan, known, tuple(arrays), tuple(stack.stack.names for stack in plan.stacks), project=project
-    )
+    roster = Roster(plan, tuple(stack.stack.names for stack in plan.stacks))
+    belief = ProductBelief(plan, known, tuple(arrays), roster, project=project)
     return belief._projected() if project else belief
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from factored_pomdp.beliefs.plan import Seen, StackPlan
+from factored_pomdp.beliefs.plan import Seen
+from factored_pomdp.beliefs.roster import Members
 from factored_pomdp.variables import Value, Variable
 
 __all__ = ["Finding", "findings_of"]
@@ -19,7 +20,7 @@ class Finding:
 
     Attributes
     ----------
-    own : list of str
+    own : sequence of str
         For each member, its own name for that thing.
     shown : mapping
         Values by own names; those that are missing were not looked at.
@@ -28,7 +29,7 @@ class Finding:
     likelihood : (rows, members) float
     """
 
-    own: list[str]
+    own: Sequence[str]
     shown: Mapping[str, Value]
     context: np.ndarray
     likelihood: np.ndarray
@@ -39,8 +40,7 @@ class Finding:
 
 
 def findings_of(
-    plan: StackPlan,
-    members: tuple[Mapping[str, str], ...],
+    members: Members,
     observation: Mapping[str, Value],
     newly: Mapping[str, Value],
     hidden: Mapping[str, Value],
@@ -62,19 +62,20 @@ def findings_of(
     early : bool
         Ask for what tells of the values before the step, in place of those after it.
     """
+    plan = members.plan
     found = []
     for seen in plan.seen:
         if seen.early != early:
             continue
-        own = [names.get(seen.child.name, seen.child.name) for names in members]
+        own: Sequence[str] = members.called(seen.child.name)
         shown = observation
         if seen.child.is_next:
             own, shown = [name.removesuffix(".next") for name in own], newly
         values = _positions(seen.child, own, shown)
         if not (values < 0).all():
-            found.append(Finding(own, shown, seen.context, _columns(plan, seen, values, given, members)))
+            found.append(Finding(own, shown, seen.context, _columns(members, seen, values, given)))
     for axis, variable in enumerate(plan.variables if hidden else ()):
-        own = [names[variable.name] for names in members]
+        own = members.called(variable.name)
         certain = np.concatenate([np.eye(variable.size), np.ones((variable.size, 1))], axis=1)
         likelihood = np.ascontiguousarray(certain[:, _positions(variable, own, hidden)])
         found.append(Finding(own, hidden, np.indices(plan.shape)[axis].ravel(), likelihood))
@@ -83,21 +84,16 @@ def findings_of(
 
 def _positions(child: Variable, own: Iterable[str], shown: Mapping[str, Value]) -> np.ndarray:
     """For each member the position of the value that its own variable showed; -1 where it was not looked at."""
-    return np.array([child.index(shown[n]) if shown.get(n) is not None else -1 for n in own], dtype=np.int64)
+    values = [shown.get(name) for name in own]
+    return np.array([-1 if value is None else child.index(value) for value in values], dtype=np.int64)
 
 
-def _columns(
-    plan: StackPlan,
-    seen: Seen,
-    values: np.ndarray,
-    given: Mapping[str, Value],
-    members: tuple[Mapping[str, str], ...],
-) -> np.ndarray:
+def _columns(members: Members, seen: Seen, values: np.ndarray, given: Mapping[str, Value]) -> np.ndarray:
     rest = [variable.name for variable in seen.likelihood.rest]
-    if not any(name in plan.stack.own for name in rest):
+    if not any(name in members.plan.stack.own for name in rest):
         return np.asarray(seen.likelihood.columns(values, given))
     columns = np.empty((int(seen.context.max()) + 1, len(members)))
-    for column, names in enumerate(members):
+    for column, names in enumerate(members.names):
         at = {name: given[names.get(name, name)] for name in rest}
         columns[:, [column]] = seen.likelihood.columns(values[[column]], at)
     return columns

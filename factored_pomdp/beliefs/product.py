@@ -7,8 +7,7 @@ once a stack, times its members; memory: one number for each state and member.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from jaxtyping import Float
 
 from factored_pomdp.beliefs.findings import Finding, findings_of
 from factored_pomdp.beliefs.plan import Plan, StackPlan
+from factored_pomdp.beliefs.roster import Members, Names, Roster
 from factored_pomdp.errors import ImpossibleObservation, did_you_mean
 from factored_pomdp.factors import DenseFactor, DeterministicFactor
 from factored_pomdp.variables import Value
@@ -24,8 +24,6 @@ __all__ = ["ProductBelief", "Restart"]
 
 Restart = Callable[[tuple[str, ...], "Float[np.ndarray, '...']", Mapping[str, Value], Mapping[str, Value]], Any]
 """``restart(block, predicted, observation, known)`` gives a contradicted block its new belief, of the block's shape."""
-
-Names = dict[str, str]
 
 _MOST_MOVES = 10_000
 
@@ -40,8 +38,8 @@ class ProductBelief:
         Values of the known variables; ``None`` where one could not be read.
     arrays : tuple of (states, members) float
         One for each stack; columns sum to one.
-    members : tuple of tuples of dict
-        For each stack and member, the pattern's names to the member's own.
+    roster : Roster
+        Whose columns those are.
     approximations : tuple of str
         Why this is not the exact posterior; empty while it is.
     """
@@ -49,7 +47,7 @@ class ProductBelief:
     plan: Plan
     known: Mapping[str, Value]
     arrays: tuple[Float[np.ndarray, "_states _members"], ...]
-    members: tuple[tuple[Names, ...], ...]
+    roster: Roster
     approximations: tuple[str, ...] = ()
     project: bool = False
     action: Mapping[str, Value] | None = None
@@ -63,24 +61,18 @@ class ProductBelief:
         return not self.approximations
 
     @property
+    def members(self) -> tuple[tuple[Names, ...], ...]:
+        """For each stack and member, the pattern's names to the member's own."""
+        return self.roster.names
+
+    @property
     def blocks(self) -> tuple[tuple[str, ...], ...]:
         """Names of the hidden variables, block by block."""
-        return tuple(
-            tuple(names[variable.name] for variable in plan.variables)
-            for plan, members in zip(self.plan.stacks, self.members, strict=True)
-            for names in members
-        )
+        return self.roster.blocks
 
-    @cached_property
-    def _places(self) -> dict[str, tuple[int, int]]:
-        """Stack and column of every hidden variable."""
-        stacks = enumerate(zip(self.plan.stacks, self.members, strict=True))
-        return {
-            names[variable.name]: (number, column)
-            for number, (plan, members) in stacks
-            for column, names in enumerate(members)
-            for variable in plan.variables
-        }
+    def _with(self, **changes: Any) -> ProductBelief:
+        """The belief with some fields changed, and no predictions made from it yet."""
+        return ProductBelief(**{**vars(self), "_predictions": {}, **changes})
 
     def predict(self, action: Any) -> ProductBelief:
         """The belief after an action and before its observation (the sum in eq:belup2)."""
@@ -88,8 +80,8 @@ class ProductBelief:
         after = self.next_known(chosen)
         arrays = tuple(self.predicted(number, chosen, after) for number in range(len(self.arrays)))
         early = any(seen.early for plan in self.plan.stacks for seen in plan.seen)
-        prior = replace(self, prior=None) if early else None
-        return replace(self, known=after, arrays=arrays, action=chosen, before=self.known, prior=prior, _predictions={})
+        prior = self._with(prior=None) if early else None
+        return self._with(known=after, arrays=arrays, action=chosen, before=self.known, prior=prior)
 
     def next_known(self, action: Mapping[str, Value]) -> dict[str, Value]:
         """Values of the known variables after an action, as planned; ``None`` where a parent is not known."""
@@ -122,7 +114,7 @@ class ProductBelief:
         """Predicted array of one stack; kept, so that choosing and then predicting cost one prediction."""
         plan, array, members = self.plan.stacks[stack], self.arrays[stack], self.members[stack]
         context = plan.prediction.context
-        given = {**self.known, **action, **{f"{name}.next": value for name, value in after.items()}}
+        given = self._given(action, after) if context else {}
         if not any(variable.name in plan.stack.own for variable in context):
             key = (stack, tuple(given[variable.name] for variable in context))
             if key not in self._predictions:
@@ -136,6 +128,10 @@ class ProductBelief:
             at = dict(zip((variable.name for variable in context), values, strict=True))
             result[:, columns] = plan.prediction.apply(np.ascontiguousarray(array[:, columns]), at)
         return result
+
+    def _given(self, action: Mapping[str, Value], after: Mapping[str, Value]) -> dict[str, Value]:
+        """Known values of both slices, and the action."""
+        return {**self.known, **action, **{f"{name}.next": value for name, value in after.items()}}
 
     def condition(
         self, observation: Any = None, known: Mapping[str, Value] | None = None, restart: Restart | None = None
@@ -163,8 +159,9 @@ class ProductBelief:
         elif not isinstance(observation, Mapping):
             observation = model.observed(observation)
         known = known or {}
-        hidden = {name: value for name, value in known.items() if name in self._places and value is not None}
-        actual = self._actual({n: v for n, v in known.items() if n not in self._places}, observation)
+        places = self.roster.places
+        hidden = {name: value for name, value in known.items() if name in places and value is not None}
+        actual = self._actual({n: v for n, v in known.items() if n not in places}, observation)
         self._refuse_unknown(observation)
         reasons = list(self.approximations)
         arrays = []
@@ -172,24 +169,17 @@ class ProductBelief:
         given = {**before, **(self.action or {}), **{f"{name}.next": value for name, value in actual.items()}}
         newly = {name: value for name, value in actual.items() if self.known.get(name) is None}
         told = (observation, actual)
-        for number, (plan, array, members) in enumerate(zip(self.plan.stacks, self.arrays, self.members, strict=True)):
-            early = findings_of(plan, members, {}, newly, {}, given, early=True)
+        for number, (members, array) in enumerate(zip(self.roster.stacks, self.arrays, strict=True)):
+            early = findings_of(members, {}, newly, {}, given, early=True)
             if early:
                 prior = self._earlier()
-                weighed = self._conditioned(plan, prior.arrays[number], members, early, told, restart, reasons)
+                weighed = self._conditioned(members, prior.arrays[number], early, told, restart, reasons)
                 arrays_then = (*prior.arrays[:number], weighed, *prior.arrays[number + 1 :])
-                prior = replace(prior, arrays=arrays_then, _predictions={})
+                prior = prior._with(arrays=arrays_then)
                 array = prior.predicted(number, self.action or {}, prior.next_known(self.action or {}))
-            findings = findings_of(plan, members, observation, newly, hidden, given)
-            arrays.append(self._conditioned(plan, array, members, findings, told, restart, reasons))
-        after = replace(
-            self,
-            known=actual,
-            arrays=tuple(arrays),
-            approximations=tuple(dict.fromkeys(reasons)),
-            prior=None,
-            _predictions={},
-        )
+            findings = findings_of(members, observation, newly, hidden, given)
+            arrays.append(self._conditioned(members, array, findings, told, restart, reasons))
+        after = self._with(known=actual, arrays=tuple(arrays), approximations=tuple(dict.fromkeys(reasons)), prior=None)
         return after._projected() if self.project else after
 
     def _earlier(self) -> ProductBelief:
@@ -202,9 +192,8 @@ class ProductBelief:
 
     def _conditioned(
         self,
-        plan: StackPlan,
+        members: Members,
         array: np.ndarray,
-        members: tuple[Names, ...],
         findings: Iterable[Finding],
         told: tuple[Mapping[str, Value], Mapping[str, Value]],
         restart: Restart | None,
@@ -212,12 +201,12 @@ class ProductBelief:
     ) -> np.ndarray:
         from factored_pomdp.beliefs.kernels import reweigh
 
-        predicted = array
+        plan, predicted = members.plan, array
         for finding in findings:
             result, sums = np.empty_like(array), np.empty(len(members))
             reweigh(array, finding.context, finding.likelihood, result, sums)
-            for column in np.flatnonzero(~(sums > 0)):
-                block = tuple(members[column][variable.name] for variable in plan.variables)
+            for column in () if (sums > 0).all() else np.flatnonzero(~(sums > 0)):
+                block = tuple(members.names[column][variable.name] for variable in plan.variables)
                 if restart is None:
                     raise ImpossibleObservation(block, dict(self.action or {}), finding.of(int(column)))
                 fresh = np.asarray(restart(block, predicted[:, column].reshape(plan.shape), *told), float)
@@ -258,10 +247,7 @@ class ProductBelief:
         return after.values[int(possible.argmax())]
 
     def _refuse_unknown(self, observation: Mapping[str, Value]) -> None:
-        names = {variable.name for variable in self.plan.structure.model.observations}
-        if not names.issuperset(observation):
-            stacks = zip(self.plan.stacks, self.members, strict=True)
-            names |= {own.get(s.name, s.name) for plan, members in stacks for s in plan.seen for own in members}
+        names = self.roster.observations
         for name in observation:
             if name not in names:
                 raise ValueError(f"no observation variable {name!r}{did_you_mean(name, names)}")
@@ -279,7 +265,7 @@ class ProductBelief:
             arrays.append(product.reshape(array.shape))
             if len(set(things)) > 1:
                 reasons.append("tied things kept apart (Boyen–Koller projection)")
-        return replace(self, arrays=tuple(arrays), approximations=tuple(dict.fromkeys(reasons)), _predictions={})
+        return self._with(arrays=tuple(arrays), approximations=tuple(dict.fromkeys(reasons)))
 
     def marginal(self, name: str) -> Float[np.ndarray, " values"]:
         """Probabilities of one hidden variable's values."""
@@ -304,7 +290,7 @@ class ProductBelief:
         distribution : array_like
             Shape: the block's variables' sizes; normalised here.
         """
-        inside = [name for name in names if name in self._places]
+        inside = [name for name in names if name in self.roster.places]
         if not inside:
             raise ValueError(f"none of {', '.join(names)} is in the belief: name variables of a block in it")
         plan, array, _, existing = self._find(inside[0])
@@ -322,7 +308,7 @@ class ProductBelief:
         arrays, members = list(self.arrays), list(self.members)
         arrays[stack] = np.ascontiguousarray(np.concatenate([array, column / column.sum()], axis=1))
         members[stack] = (*members[stack], fresh)
-        return replace(self, arrays=tuple(arrays), members=tuple(members), prior=None, _predictions={})
+        return self._with(arrays=tuple(arrays), roster=Roster(self.plan, tuple(members)), prior=None)
 
     def without_block(self, name: str) -> ProductBelief:
         """The belief without the block that holds a hidden variable."""
@@ -331,17 +317,17 @@ class ProductBelief:
         arrays, members = list(self.arrays), list(self.members)
         arrays[stack] = np.ascontiguousarray(np.delete(array, column, axis=1))
         members[stack] = members[stack][:column] + members[stack][column + 1 :]
-        return replace(self, arrays=tuple(arrays), members=tuple(members), prior=None, _predictions={})
+        return self._with(arrays=tuple(arrays), roster=Roster(self.plan, tuple(members)), prior=None)
 
     def with_arrays(self, arrays: Iterable[np.ndarray], known: Mapping[str, Value] | None = None) -> ProductBelief:
         """The same blocks with other probabilities, (states, members) a stack, and perhaps other known values."""
         fresh = tuple(np.ascontiguousarray(array, dtype=float) for array in arrays)
-        return replace(self, arrays=fresh, known=dict(known if known is not None else self.known), _predictions={})
+        return self._with(arrays=fresh, known=dict(known if known is not None else self.known))
 
     def _find(self, name: str) -> tuple[StackPlan, np.ndarray, int, Names]:
-        if name not in self._places:
-            raise ValueError(f"no hidden variable {name!r}{did_you_mean(name, self._places)}")
-        stack, column = self._places[name]
+        if name not in self.roster.places:
+            raise ValueError(f"no hidden variable {name!r}{did_you_mean(name, self.roster.places)}")
+        stack, column = self.roster.places[name]
         return self.plan.stacks[stack], self.arrays[stack], column, self.members[stack][column]
 
 

@@ -38,8 +38,8 @@ def test_choose_move_observe_learn():
 
 @pytest.mark.example
 def test_no_steps_are_an_empty_record():
-    world = SimpleNamespace(move=None, observe=None)
-    assert run_loop(world, SimpleNamespace(restarts=0, choose=None, see=None), 0) == []
+    world = SimpleNamespace(move=pytest.fail, observe=pytest.fail)
+    assert run_loop(world, SimpleNamespace(restarts=0, choose=pytest.fail, see=pytest.fail), 0) == []
 
 
 def step(*seen: bool) -> Step:

@@ -54,6 +54,8 @@ class FactoredPOMDP:
     ----------
     notes : tuple of str
         What was mended (distributions renormalised within 1e-5).
+    derived : dict
+        What was worked out of the model, kept with it so that it is worked out once.
     """
 
     def __init__(
@@ -103,6 +105,7 @@ class FactoredPOMDP:
         if faults:
             raise ModelError(faults)
         self.notes = tuple(notes)
+        self.derived: dict[str, Any] = {}
 
     @cached_property
     def variables(self) -> dict[str, Variable]:

@@ -107,8 +107,11 @@ class Structure:
 
 
 def structure_of(model: FactoredPOMDP) -> Structure:
-    """Find known variables, blocks and what joins them. Cost: one pass over every distinct table."""
-    return _Finder(model).structure()
+    """Find known variables, blocks and what joins them, once a model. Cost: one pass over every distinct table."""
+    if "structure" not in model.derived:
+        model.derived["structure"] = _Finder(model).structure()
+    found: Structure = model.derived["structure"]
+    return found
 
 
 class _Finder:

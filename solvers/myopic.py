@@ -20,6 +20,7 @@ from factored_pomdp.beliefs.plan import StackPlan, plan_of
 from factored_pomdp.contraction import contract
 from factored_pomdp.factors import DenseFactor, ExpectedNoisyOr, Factor, NoisyOr, constant
 from factored_pomdp.model import FactoredPOMDP
+from factored_pomdp.structure import structure_of
 from factored_pomdp.variables import Value, Variable, count
 from solvers.base import Ability, Decision
 from solvers.maximise import maximise
@@ -54,7 +55,7 @@ class DecomposedMyopic:
     @classmethod
     def can_solve(cls, model: FactoredPOMDP) -> Ability:
         """Yes, unless a block is too large (a model that does not fall apart is one), or what is legal is hidden."""
-        structure = plan_of(model).structure
+        structure = structure_of(model)
         sizes = [count(block.variables) for block in structure.blocks]
         largest, states = max(sizes, default=1), sum(sizes)
         because = f"{len(sizes)} block(s), the largest with {largest:,} states"

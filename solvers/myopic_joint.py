@@ -14,11 +14,11 @@ from functools import reduce
 import numpy as np
 
 from factored_pomdp.beliefs import JointBelief
-from factored_pomdp.beliefs.plan import plan_of
 from factored_pomdp.contraction import contract
 from factored_pomdp.errors import TooLarge
 from factored_pomdp.factors import Factor
 from factored_pomdp.model import FactoredPOMDP
+from factored_pomdp.structure import structure_of
 from factored_pomdp.variables import Value, Variable, count
 from solvers.base import Ability, Decision
 
@@ -71,7 +71,7 @@ class JointMyopic:
         states, actions, observations = model.joint_states, model.joint_actions, model.joint_observations
         held = states
         if sparse:
-            known = plan_of(model).structure.known
+            known = structure_of(model).known
             held = count(variable for variable in model.states if variable.name not in known)
         operations = held * actions * observations
         sizes = f"{states:,} joint states, {actions:,} joint actions, {observations:,} joint observations"

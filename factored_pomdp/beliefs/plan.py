@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Int
@@ -69,16 +68,15 @@ class Plan:
     moves: dict[tuple[object, ...], dict[str, Value]] = field(default_factory=dict)
 
 
-_PLANS: WeakKeyDictionary[FactoredPOMDP, Plan] = WeakKeyDictionary()
-
-
 def plan_of(model: FactoredPOMDP) -> Plan:
     """The model's plan, made on first use."""
-    if model not in _PLANS:
+    if "plan" not in model.derived:
         structure = structure_of(model)
         observations = {variable.name for variable in model.observations}
-        _PLANS[model] = Plan(structure, tuple(_stack_plan(s, observations) for s in stacks_of(structure.blocks)))
-    return _PLANS[model]
+        stacks = tuple(_stack_plan(stack, observations) for stack in stacks_of(structure.blocks))
+        model.derived["plan"] = Plan(structure, stacks)
+    plan: Plan = model.derived["plan"]
+    return plan
 
 
 def _stack_plan(stack: Stack, observations: set[str]) -> StackPlan:

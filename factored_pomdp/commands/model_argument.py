@@ -41,7 +41,7 @@ def load_model(name: str, options: Sequence[str] | None) -> FactoredPOMDP:
     TooLarge
         Where the domain refuses for its size.
     """
-    from factored_pomdp.errors import TooLarge
+    from factored_pomdp.errors import ModelError, TooLarge
 
     given = _pairs(options or ())
     path, _, function = name.rpartition(".py:")
@@ -55,7 +55,8 @@ def load_model(name: str, options: Sequence[str] | None) -> FactoredPOMDP:
     except (InputError, TooLarge):
         raise
     except (ValueError, OSError) as problem:
-        raise InputError(str(problem)) from problem
+        bare = (isinstance(problem, ModelError) or file.endswith(".py")) and not str(problem).startswith(file)
+        raise InputError(f"{name}: {problem}" if bare else str(problem)) from problem
     except Exception as problem:
         raise InputError(f"{name}: {_described(problem)}") from problem
 

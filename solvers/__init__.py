@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from solvers.base import Ability, Decision
+    from solvers.exact import Exact
     from solvers.maximise import maximise
     from solvers.mdp import MDP
     from solvers.myopic import DecomposedMyopic
@@ -17,6 +18,7 @@ _HOME_OF = {
     "Ability": "base",
     "Decision": "base",
     "DecomposedMyopic": "myopic",
+    "Exact": "exact",
     "FIB": "upper_bounds",
     "JointMyopic": "myopic_joint",
     "Limits": "solution",

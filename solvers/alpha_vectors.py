@@ -73,6 +73,10 @@ class VectorSet:
         members = np.split(order, first[1:])
         return np.cumsum(sizes) - sizes, dict(zip(numbers.tolist(), members, strict=True))
 
+    def has(self, number: int) -> bool:
+        """Whether there are vectors of a class."""
+        return number in self._places[1]
+
     def of_class(self, number: int) -> tuple[Float[np.ndarray, "k states"], Int[np.ndarray, " k"]]:
         """Vectors of one class (over its own states) and their actions."""
         starts, members = self._places
@@ -91,14 +95,7 @@ class VectorSet:
 
 def undominated(vectors: Float[np.ndarray, "k states"], slack: float = 0.0) -> Bool[np.ndarray, " k"]:
     """Which vectors are not below another one everywhere; of equals the first stays. Time: k² n."""
-    keep = np.ones(len(vectors), dtype=bool)
+    from solvers.dominance import undominated_rows
+
     order = np.argsort(-vectors.sum(axis=1), kind="stable")
-    kept = np.empty_like(vectors)
-    number = 0
-    for position in order:
-        if (kept[:number] >= vectors[position] - slack).all(axis=1).any():
-            keep[position] = False
-        else:
-            kept[number] = vectors[position]
-            number += 1
-    return keep
+    return np.asarray(undominated_rows(np.ascontiguousarray(vectors, dtype=float), order, slack))

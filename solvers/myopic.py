@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -50,7 +51,12 @@ class DecomposedMyopic:
         self.plan = plan_of(model)
         factors = [*model.transition.values(), *model.observation.values(), *model.reward.values()]
         self._read = {variable.name for factor in factors for variable in factor.scope} & set(self.plan.structure.known)
-        self._templates: dict[tuple[object, ...], tuple[ExpectedNoisyOr, tuple[Variable, ...]]] = {}
+        self._terms = [
+            _Term(number, position, reward, _are_alike(plan, reward), self._reweighed(plan, reward))
+            for number, plan in enumerate(self.plan.stacks)
+            for position, (_, reward) in enumerate(plan.stack.pattern.rewards)
+        ]
+        self._templates: dict[tuple[object, ...], ExpectedNoisyOr] = {}
 
     @classmethod
     def can_solve(cls, model: FactoredPOMDP) -> Ability:
@@ -98,42 +104,36 @@ class DecomposedMyopic:
         functions = [
             self._of_actions(f.condition(_given(f, known)), known) for _, f in self.plan.structure.free_rewards
         ]
-        for number, plan in enumerate(belief.plan.stacks):
-            for position, (_, reward) in enumerate(plan.stack.pattern.rewards):
-                for columns, names in _alike(belief, number, reward):
-                    key = (number, position, tuple(names.values()) if columns else None, self._known_key(known))
-                    functions.append(self._local_function(belief, number, columns, names, reward, key))
+        for term in self._terms:
+            members = belief.members[term.stack]
+            if members and term.alike:
+                functions.append(self._of_all(belief, term))
+            elif members:
+                functions += [
+                    self._of_actions(self._local(belief, term, [column], names), known)
+                    for column, names in enumerate(members)
+                ]
         return functions
 
-    def _local_function(
-        self,
-        belief: ProductBelief,
-        number: int,
-        columns: list[int] | None,
-        names: Mapping[str, str],
-        reward: Factor,
-        key: tuple[object, ...],
-    ) -> Factor:
-        """A local function of actions; a noisy-or's is made once for each set of known values, then only reweighed."""
+    def _of_all(self, belief: ProductBelief, term: _Term) -> Factor:
+        """A stack's local function; a noisy-or's is made once for each set of known values, then only reweighed."""
+        key = (term.stack, term.position, self._known_key(belief.known))
         if key in self._templates:
-            template, hidden = self._templates[key]
-            return template.with_weights(
-                self._predicted(belief, number, columns, {}, hidden).array_over(hidden).ravel()
-            )
-        local = self._local(belief, number, columns, names, reward)
-        function = self._of_actions(local, belief.known)
-        hidden = self._reweighable(belief.plan.stacks[number], reward)
-        if isinstance(function, ExpectedNoisyOr) and hidden:
+            predicted = belief.predicted(term.stack, {}, {})
+            weights = _weights(predicted, belief.plan.stacks[term.stack], term.reweighed)
+            return self._templates[key].with_weights(weights.ravel())
+        function = self._of_actions(self._local(belief, term, None, belief.members[term.stack][0]), belief.known)
+        if isinstance(function, ExpectedNoisyOr) and term.reweighed:
             if len(self._templates) >= _MOST_TEMPLATES:
                 self._templates.clear()
-            self._templates[key] = function, hidden
+            self._templates[key] = function
         return function
 
     def _known_key(self, known: Mapping[str, Value]) -> tuple[Value, ...]:
         """What local functions depend on in the known values: those that some factor reads, and which are unread."""
         return tuple(value if name in self._read else value is None for name, value in known.items())
 
-    def _reweighable(self, plan: StackPlan, reward: Factor) -> tuple[Variable, ...]:
+    def _reweighed(self, plan: StackPlan, reward: Factor) -> tuple[Variable, ...]:
         """The next variables whose predicted mass is all that a local function takes from the belief, if that is so."""
         used = list(self._needed(reward, plan, {}).values())
         actions = any(variable in self.model.actions for variable in plan.prediction.context)
@@ -145,17 +145,16 @@ class DecomposedMyopic:
             return ()
         return used[0].context if len(used) == 1 and isinstance(used[0], NoisyOr) else ()
 
-    def _local(
-        self, belief: ProductBelief, number: int, columns: list[int] | None, names: Mapping[str, str], reward: Factor
-    ) -> Factor:
+    def _local(self, belief: ProductBelief, term: _Term, columns: list[int] | None, names: Mapping[str, str]) -> Factor:
         """One reward term of some members of a stack, over actions and known variables' next values."""
-        plan = belief.plan.stacks[number]
+        number, reward, plan = term.stack, term.reward, belief.plan.stacks[term.stack]
         rename = {old: new for old, new in names.items() if old in plan.stack.own}
         used = self._needed(reward, plan, rename)
         inner_now = [v for v in plan.variables if any(v in factor.scope for factor in (reward, *used.values()))]
         factors = [factor.condition(_given(factor, belief.known, rename)) for factor in (reward, *used.values())]
         if inner_now:
-            state = _weights(belief.arrays[number], columns, plan, plan.variables)
+            array = belief.arrays[number] if columns is None else belief.arrays[number][:, columns]
+            state = DenseFactor(plan.variables, _weights(array, plan, plan.variables))
             moves = [f.condition(_given(f, belief.known, rename)) for f in plan.stack.pattern.transition.values()]
             inner = {v for v in (*plan.variables, *(w.next for w in plan.variables))} | set(used)
             keep = [v for f in (*factors, *moves) for v in f.scope if v not in inner]
@@ -202,12 +201,9 @@ class DecomposedMyopic:
                 given = {**belief.known, **action, **{f"{name}.next": value for name, value in after.items()}}
                 at = {v.name: given[rename.get(v.name, v.name)] for v in plan.prediction.context}
                 predicted = plan.prediction.apply(np.ascontiguousarray(belief.arrays[number][:, columns]), at)
-            tables.append(_weights(predicted, None, plan, hidden, after=True).array)
+            tables.append(_weights(predicted, plan, hidden))
         back = {own: old for old, own in rename.items()}
-        scope = [
-            *(v.renamed(back.get(v.name, v.name)) for v in free),
-            *(v.next for v in plan.variables if v.next in hidden),
-        ]
+        scope = [*(v.renamed(back.get(v.name, v.name)) for v in free), *hidden]
         return DenseFactor(scope, np.stack(tables).reshape([variable.size for variable in scope]))
 
     def _actions_behind(self, names: Sequence[str]) -> list[Variable]:
@@ -252,29 +248,44 @@ class DecomposedMyopic:
         return function
 
 
-def _alike(belief: ProductBelief, number: int, reward: Factor) -> list[tuple[list[int] | None, Mapping[str, str]]]:
-    """Members whose local function is over the same variables, to be added up at once; ``None`` for all of them."""
-    plan, members = belief.plan.stacks[number], belief.members[number]
-    observed = {seen.name for seen in plan.seen}
-    mentioned = {
-        v.name
-        for f in (reward, *plan.stack.pattern.transition.values(), *plan.stack.pattern.likelihood.values())
-        for v in f.scope
-    }
-    if not members:
-        return []
-    if not (plan.stack.own - observed) & mentioned:
-        return [(None, members[0])]
-    return [([column], names) for column, names in enumerate(members)]
+@dataclass(frozen=True, eq=False)
+class _Term:
+    """One reward term of the blocks of a stack.
+
+    Attributes
+    ----------
+    stack, position : int
+    reward : Factor
+    alike : bool
+        Whether the members' local functions are over the same variables, to be added up at once.
+    reweighed : tuple of Variable
+        The next variables whose predicted mass is all that a local function takes from the belief, if that is so.
+    """
+
+    stack: int
+    position: int
+    reward: Factor
+    alike: bool
+    reweighed: tuple[Variable, ...]
 
 
-def _weights(
-    array: np.ndarray, columns: list[int] | None, plan: StackPlan, keep: Sequence[Variable], after: bool = False
-) -> DenseFactor:
-    mass = array.sum(axis=1) if columns is None else array[:, columns].sum(axis=1)
-    scope = tuple(variable.next for variable in plan.variables) if after else plan.variables
-    axes = tuple(axis for axis, variable in enumerate(scope) if variable not in keep)
-    return DenseFactor([v for v in scope if v in keep], mass.reshape(plan.shape).sum(axis=axes))
+def _are_alike(plan: StackPlan, reward: Factor) -> bool:
+    pattern = plan.stack.pattern
+    factors = (reward, *pattern.transition.values(), *pattern.likelihood.values())
+    mentioned = {variable.name for factor in factors for variable in factor.scope}
+    return not (plan.stack.own - {seen.name for seen in plan.seen}) & mentioned
+
+
+def _weights(array: np.ndarray, plan: StackPlan, keep: Sequence[Variable]) -> np.ndarray:
+    """Mass of all members together over some of a block's variables (of either slice), in the order asked for."""
+    from factored_pomdp.beliefs.kernels import row_sums
+
+    mass = row_sums(np.ascontiguousarray(array)).reshape(plan.shape)
+    slices = (plan.variables, tuple(variable.next for variable in plan.variables))
+    axes = [next(scope.index(variable) for scope in slices if variable in scope) for variable in keep]
+    gone = tuple(axis for axis in range(mass.ndim) if axis not in axes)
+    left = sorted(axes)
+    return np.asarray((mass.sum(axis=gone) if gone else mass).transpose([left.index(axis) for axis in axes]))
 
 
 def _expected(weights: Factor, factors: list[Factor], inner: set[Variable]) -> Factor:

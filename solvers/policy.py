@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
@@ -63,7 +63,6 @@ class VectorPolicy:
     stages: tuple[Stage, ...]
     follows: Follows
     horizon: int | None = None
-    bounds_at_start: tuple[float, float] | None = field(default=None)
 
     @property
     def points(self) -> int:
@@ -107,14 +106,15 @@ class VectorPolicy:
 
     def _lower(self, stage: Stage, belief: Float[np.ndarray, " states"]) -> tuple[float, int]:
         number = self.flat.class_at(belief)
-        if number is not None:
+        if number is not None and stage.lower.has(number):
             return stage.lower.best(belief, number)
         floor = self._floor if self.horizon is None else self._floor_of_a_step * len(self.stages)
         return floor, int(self._legal_at(belief).argmax())
 
     def _upper(self, stage: Stage, belief: Float[np.ndarray, " states"], lower: float) -> float:
         if stage.upper is None:
-            return lower if self.flat.class_at(belief) is not None else np.inf
+            number = self.flat.class_at(belief)
+            return lower if number is not None and stage.lower.has(number) else np.inf
         support = np.flatnonzero(belief)
         if stage.per_state:
             return float(stage.upper[:, support].max(axis=0) @ belief[support])

@@ -46,7 +46,7 @@ def maximise(
     forced: dict[str, Value] = {}
     for variable in actions:
         rules = [rule for rule in legal if variable in rule.scope]
-        values = [value for value in variable.values if all(rule.value({variable.name: value}) for rule in rules)]
+        values = [v for v in variable.values if not rules or all(rule.value({variable.name: v}) for rule in rules)]
         if not values:
             raise ValueError(f"no value of {variable.name!r} is legal")
         if len(values) == 1:
@@ -60,4 +60,6 @@ def maximise(
         narrowed = [f.condition(forced) if forced.keys() & set(f.names) else f for f in narrowed]
     choose = enumerate_all if count(choices) <= ENUMERATED else greedy_with_swaps
     found = choose(narrowed, choices, prefer or {})
-    return replace(found, action={v.name: forced.get(v.name, found.action.get(v.name)) for v in actions})
+    if forced:
+        return replace(found, action={v.name: forced.get(v.name, found.action.get(v.name)) for v in actions})
+    return found

@@ -34,7 +34,7 @@ def agree(model: fp.FactoredPOMDP, belief: fp.ProductBelief) -> None:
 
 
 @pytest.mark.property
-@settings(max_examples=15)
+@settings(max_examples=12)
 @given(data=st.data(), seed=st.integers(0, 2**32 - 1))
 def test_value_and_choice_are_those_of_the_exponential_solver(data: st.DataObject, seed: int) -> None:
     model = data.draw(random_models(most_states=3))

@@ -14,7 +14,7 @@ from tests.strategies import random_beliefs, random_models, random_module_as_fou
 
 
 @pytest.mark.property
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(data=st.data(), seed=st.integers(0, 2**32 - 1))
 def test_product_and_joint_belief_agree_step_by_step(data: st.DataObject, seed: int) -> None:
     model = data.draw(random_models(most_states=3))

@@ -1,8 +1,8 @@
 """Numbers that show a tie: worked out on the tied block alone, from beliefs with a few values each.
 
-Initial tie: a joint probability that is not the product of the marginals. Transition or observation tie: a posterior that
-is not the product of its marginals although the belief was one, or two beliefs that agree on one thing whose posteriors
-differ there. Reward tie: four expected rewards whose mixed difference is not zero.
+Initial tie: a joint probability that is not the product of the marginals. Transition or observation tie: a posterior
+that is not the product of its marginals although the belief was one, or two beliefs that agree on one thing whose
+posteriors differ there. Reward tie: four expected rewards whose mixed difference is not zero.
 """
 
 from __future__ import annotations

@@ -54,9 +54,9 @@ EYES = {
 @pytest.mark.parametrize("eyes", EYES)
 @pytest.mark.parametrize("cell", [5, 8])
 def test_sightings_follow_the_models_law(eyes, cell):
-    """5,000 looks at a target that both cameras (cell 5) or one of them (cell 8) may detect; chi-square, fixed seed."""
+    """2,500 looks at a target that both cameras (cell 5) or one of them (cell 8) may detect; chi-square, fixed seed."""
     detection, noise = EYES[eyes]
-    looks = 5000
+    looks = 2500
     views = {"a": {"one": [0, 1, 4, 5]}, "b": {"one": [2], "other": [5, 8]}}
     built = hand_made(["...", ".#.", "...", "..."], views, 1, detection=detection, noise_m=noise)
     world = standing(built, [cell], seed=3)

@@ -1,4 +1,4 @@
-"""The page from paper to code names functions, tests and notebook sections that are there, and the paper's own numbers."""
+"""The page from paper to code names functions, tests and notebook sections that exist, and the paper's own numbers."""
 
 from __future__ import annotations
 

@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from solvers.auto import Auto
     from solvers.base import Ability, Decision
     from solvers.exact import Exact
     from solvers.maximise import maximise
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
 _HOME_OF = {
     "Ability": "base",
+    "Auto": "auto",
     "Decision": "base",
     "DecomposedMyopic": "myopic",
     "Exact": "exact",

@@ -9,8 +9,9 @@ exponentially with the horizon. When not to use it: more than a few dozen states
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from jaxtyping import Float, Int
 
 from factored_pomdp.model import FactoredPOMDP
 from solvers.alpha_vectors import VectorSet
@@ -24,10 +25,14 @@ __all__ = ["Exact"]
 
 _MOST_STATES = 2_000
 
-Vectors = Float[np.ndarray, "k states"]
-Points = Float[np.ndarray, "p states"]
 Steps = dict[int, dict[int, list[tuple[int, np.ndarray]]]]
-Sets = dict[int, tuple[Vectors, Int[np.ndarray, " k"]]]
+"""By class and action: for each thing that can be seen the class it leads to, and ``γ P(z, s' | s, a)``."""
+
+Sets = dict[int, tuple[np.ndarray, np.ndarray]]
+"""By class: vectors (K, n), and the actions (K,) that they begin with."""
+
+Points = dict[int, np.ndarray]
+"""By class: beliefs (P, n) where vectors were the best."""
 
 
 class Exact:
@@ -40,6 +45,7 @@ class Exact:
 
     name = "exact"
     summary = "finite horizon, exact: alpha vectors by incremental pruning"
+    limits = Limits
 
     def __init__(self, model: FactoredPOMDP) -> None:
         self.flat = flatten(model)
@@ -67,7 +73,7 @@ class Exact:
             raise ValueError(f"{self.name} needs a horizon: give the number of steps to plan for")
         clock = Clock(limits, self.flat)
         stages: list[Sets] = []
-        points: dict[int, Points] = {}
+        points: Points = {}
         stopped = "solved"
         try:
             while len(stages) < limits.horizon:
@@ -124,7 +130,7 @@ def _steps(flat: FlatModel) -> Steps:
     return found
 
 
-def _columns(flat: FlatModel) -> list[np.ndarray]:
+def _columns(flat: FlatModel) -> list[Any]:
     """``P(z | s')`` with what is read back, as CSR arrays."""
     from scipy import sparse
 
@@ -135,7 +141,7 @@ def _columns(flat: FlatModel) -> list[np.ndarray]:
     return [whole[action * states : (action + 1) * states] for action in range(actions)]
 
 
-def _backed_up(flat: FlatModel, steps: Steps, ahead: Sets | None, points: dict[int, Points], clock: Clock) -> Sets:
+def _backed_up(flat: FlatModel, steps: Steps, ahead: Sets | None, points: Points, clock: Clock) -> Sets:
     """One more step to go; ``points`` (by class) are replaced by beliefs where the new vectors are the best."""
     starts = flat.tables.class_start
     found: Sets = {}
@@ -152,7 +158,7 @@ def _backed_up(flat: FlatModel, steps: Steps, ahead: Sets | None, points: dict[i
     return found
 
 
-def _summed(branches: list[tuple[int, np.ndarray]], ahead: Sets, points: Points | None, clock: Clock) -> Vectors:
+def _summed(branches: list[tuple[int, np.ndarray]], ahead: Sets, points: np.ndarray | None, clock: Clock) -> np.ndarray:
     """Sums of one vector for each observation, parsimonious; the smallest sets come first."""
     sets = []
     for then, block in branches:

@@ -80,6 +80,7 @@ class MDP:
 
     name = "mdp"
     summary = "upper bound: as if every state were seen"
+    limits = Limits
 
     def __init__(
         self, model: FactoredPOMDP, method: Literal["value-iteration", "linear-program"] = "value-iteration"
@@ -91,7 +92,7 @@ class MDP:
         """Yes where the flat tables fit."""
         return can_flatten(model)
 
-    def solve(self, limits: Limits = Limits()) -> Solution:  # noqa: B008 - a frozen record
+    def solve(self, limits: Limits = Limits()) -> Solution:  # noqa: B008
         """The bound at the initial belief, with the value of the best blind policy below it."""
         clock = Clock(limits, self.flat)
         if limits.horizon is not None:

@@ -51,6 +51,7 @@ class PointBased:
 
     name = "point-based"
     summary = "infinite horizon, proved lower and upper bounds, anytime"
+    limits = Limits
 
     def __init__(self, model: FactoredPOMDP, share: float = 0.5) -> None:
         ability = self.can_solve(model)
@@ -66,7 +67,7 @@ class PointBased:
             return Ability(False, f"discount {model.discount:g}: an infinite horizon needs one below 1", flat.estimate)
         return Ability(flat.can, flat.because, f"{flat.estimate}; anytime, up to {_MOST_BYTES:,} bytes of beliefs")
 
-    def solve(self, limits: Limits = Limits()) -> Solution:  # noqa: B008 - a frozen record
+    def solve(self, limits: Limits = Limits()) -> Solution:  # noqa: B008
         """Search until a limit is reached; Ctrl-C ends it early, with the best so far."""
         if limits.horizon is not None:
             raise ValueError(f"{self.name} plans for ever; for a horizon of {limits.horizon} take exact")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from solvers.flat import FlatModel
@@ -12,7 +13,7 @@ from solvers.flat import FlatModel
 if TYPE_CHECKING:
     from solvers.policy import VectorPolicy
 
-__all__ = ["Clock", "Limits", "Progress", "Solution"]
+__all__ = ["Clock", "Limits", "Progress", "Solution", "Stopwatch"]
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,11 @@ class Solution:
         Alpha vectors of the lower bound, and belief points of the upper one.
     stopped : str
         ``solved``, ``precision``, ``time limit``, ``memory`` or ``interrupted``.
+    policy : VectorPolicy or None
     notes : tuple of str
+        Why this solver, and what else there is to say.
+    lower_is : str
+        ``proved``, or ``statistical`` for an estimate by simulation.
     """
 
     solver: str
@@ -85,16 +90,40 @@ class Solution:
     vectors: int
     points: int
     stopped: str
-    policy: VectorPolicy = field(repr=False)
+    policy: VectorPolicy | None = field(repr=False)
     notes: tuple[str, ...] = ()
+    lower_is: str = "proved"
 
     @property
     def gap(self) -> float:
         return self.upper - self.lower
 
+    def save(self, path: Path) -> None:
+        """Write the policy to a file; ``ValueError`` where there is none."""
+        from solvers.policy_files import save_policy
 
-class Clock:
-    """Counts a solver's seconds from where it is made; refuses an infinite horizon without discount.
+        if self.policy is None:
+            raise ValueError(f"{self.solver} made no policy that could be written to {path}")
+        save_policy(self.policy, path)
+
+
+class Stopwatch:
+    """Counts seconds from where it is made."""
+
+    def __init__(self, time_limit: float | None) -> None:
+        self._limit, self._start = time_limit, time.perf_counter()
+
+    @property
+    def seconds(self) -> float:
+        return time.perf_counter() - self._start
+
+    @property
+    def is_over(self) -> bool:
+        return self._limit is not None and self.seconds >= self._limit
+
+
+class Clock(Stopwatch):
+    """A solver's stopwatch; refuses an infinite horizon without discount.
 
     Raises
     ------
@@ -107,15 +136,8 @@ class Clock:
             raise ValueError(
                 f"{flat.model.name} has discount 1: values without a horizon are not finite; give a horizon"
             )
-        self.limits, self._start = limits, time.perf_counter()
-
-    @property
-    def seconds(self) -> float:
-        return time.perf_counter() - self._start
-
-    @property
-    def is_over(self) -> bool:
-        return self.limits.time_limit is not None and self.seconds >= self.limits.time_limit
+        super().__init__(limits.time_limit)
+        self.limits = limits
 
     def solution(self, policy: VectorPolicy, stopped: str = "solved", notes: tuple[str, ...] = ()) -> Solution:
         """The answer that a policy's own bounds at the initial belief make."""

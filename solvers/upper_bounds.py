@@ -74,7 +74,7 @@ class _Bound:
         """Yes where the flat tables fit."""
         return can_flatten(model)
 
-    def solve(self, limits: Limits = Limits()) -> Solution:  # noqa: B008 - a frozen record
+    def solve(self, limits: Limits = Limits()) -> Solution:  # noqa: B008
         """The bound at the initial belief, with the value of the best blind policy below it."""
         clock = Clock(limits, self.flat)
         upper = [self._vectors()] if limits.horizon is None else self._to_go(limits.horizon)
@@ -94,6 +94,7 @@ class QMDP(_Bound):
 
     name = "qmdp"
     summary = "upper bound: as if every state were seen from the next step on"
+    limits = Limits
 
     def _vectors(self) -> Float[np.ndarray, "actions states"]:
         return qmdp_vectors(self.flat)
@@ -107,6 +108,7 @@ class FIB(_Bound):
 
     name = "fib"
     summary = "fast informed bound: every state is seen, one observation late"
+    limits = Limits
 
     def _vectors(self) -> Float[np.ndarray, "actions states"]:
         return informed_vectors(self.flat)

@@ -6,6 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 import factored_pomdp as fp
+from tests.strategies import _random_module_as_found
 
 __all__ = ["small_models"]
 
@@ -25,7 +26,15 @@ def small_models(
     states, actions = draw(st.integers(2, most_states)), draw(st.integers(2, most_actions))
     seen = draw(st.integers(1, 3))
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
-    reward = np.round(rng.normal(size=(actions, states, states)), draw(st.integers(0, 6)))
+    digits = draw(st.integers(0, 6))
+    with _random_module_as_found():
+        return _model(rng, states, actions, seen, digits, discount)
+
+
+def _model(
+    rng: np.random.Generator, states: int, actions: int, seen: int, digits: int, discount: float
+) -> fp.FactoredPOMDP:
+    reward = np.round(rng.normal(size=(actions, states, states)), digits)
     return fp.FactoredPOMDP(
         name="small",
         states=[fp.Variable("s", range(states))],

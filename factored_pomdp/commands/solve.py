@@ -1,0 +1,59 @@
+"""``factored-pomdp solve``: bounds on the optimal value, and a policy."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from factored_pomdp.commands.answers import COMMAND_LINE, AsJson, InputError, answer, side_console, table
+from factored_pomdp.commands.model_argument import ModelName, Options, load_model
+from factored_pomdp.commands.solver_argument import Horizon, Precision, Solver, TimeLimit, solved
+
+__all__ = ["solve"]
+
+
+def solve(
+    model: ModelName,
+    option: Options = None,
+    solver: Solver = "auto",
+    precision: Precision = 1e-3,
+    time_limit: TimeLimit = 60.0,
+    horizon: Horizon = None,
+    out: Annotated[Path | None, typer.Option(metavar="POLICY", help="Where to write the policy (.npz).")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Solve a model: a lower and an upper bound on its value, and a policy; Ctrl-C gives the best so far."""
+    from factored_pomdp.provenance import digest, provenance
+
+    if out is not None and not out.parent.is_dir():
+        raise InputError(f"--out {out}: there is no folder {out.parent}")
+    loaded = load_model(model, option)
+    found = solved(loaded, solver, {"precision": precision, "time_limit": time_limit, "horizon": horizon})
+    written = None
+    if out is not None and found.policy is None:
+        side_console().print(f"nothing written to {out}: {found.solver} makes no policy", style="yellow")
+    elif out is not None:
+        found.save(out)
+        written = str(out)
+    content: dict[str, Any] = {
+        "solver": found.solver,
+        "lower": found.lower,
+        "upper": found.upper,
+        "gap": found.gap,
+        "seconds": found.seconds,
+        "horizon": found.horizon,
+        "vectors": found.vectors,
+        "points": found.points,
+        "stopped": found.stopped,
+        "lower_is": found.lower_is,
+        "notes": found.notes,
+        "policy": written,
+        **provenance(COMMAND_LINE.get(), {"model": digest(loaded)}),
+    }
+    rows = table("", "found", right=["found"])
+    for key in ("solver", "lower", "upper", "gap", "seconds", "horizon", "vectors", "points", "stopped", "policy"):
+        value = content[key]
+        rows.add_row(key, f"{value:,.6g}" if isinstance(value, float) else "none" if value is None else str(value))
+    answer(content, [rows, *(f"note: {note}" for note in found.notes)], as_json=as_json)

@@ -104,6 +104,8 @@ class Factor(ABC):
         """The table with its axes in a given order; variables outside of the factor's scope get a broadcast axis."""
         dense = self.dense()
         order = [variable for variable in scope]
+        if order == list(dense.scope):
+            return dense.array
         present = [variable for variable in order if variable in dense.scope]
         array = np.transpose(dense.array, [dense.scope.index(variable) for variable in present])
         return array.reshape([variable.size if variable in dense.scope else 1 for variable in order])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -72,8 +73,9 @@ class ExpectedNoisyOr(Factor):
 
     def with_weights(self, weights: np.ndarray) -> ExpectedNoisyOr:
         """The same payoff under other weights; what was worked out without the weights is shared."""
-        other = ExpectedNoisyOr(weights, self.causes, self.off_payoff)
-        other._unweighted = self._unweighted
+        other = object.__new__(ExpectedNoisyOr)
+        other.__dict__ |= self.__dict__
+        other.weights = weights
         return other
 
     @property
@@ -157,7 +159,7 @@ class ExpectedNoisyOr(Factor):
 
     def dense(self) -> DenseFactor:
         self.refuse_if_large(self.scope)
-        shared = self._shared()
+        shared = self._shared
         if shared is not None:
             tables = [self.condition({shared.name: value}).array_over(self.scope) for value in shared.values]
             return DenseFactor(self.scope, np.concatenate(tables, axis=self.scope.index(shared)))
@@ -174,6 +176,7 @@ class ExpectedNoisyOr(Factor):
         table = (paid_first @ self.weights)[:, None] + (silent_first * self.weights) @ rest.T
         return DenseFactor(self.scope, table.reshape(shape))
 
+    @cached_property
     def _shared(self) -> Variable | None:
         """A variable that stands behind several causes (two cameras that one action moves)."""
         times = Counter(cause.variable for cause in self.causes if cause.variable is not None)

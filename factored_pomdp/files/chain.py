@@ -63,11 +63,11 @@ def _merged(layers: Layers, parents: int, size: int) -> Layers:
     """The same table with the children's axes made into one."""
     entries = layers.entries(keep=range(len(layers.shape)))
     merged = Layers([*layers.shape[:parents], size])
-    keys = np.zeros(len(entries.numbers), dtype=np.int64)
-    for axis, length in enumerate(layers.shape):
-        keys = keys * length + entries.coordinates[:, axis]
-    for key, number, stamp in zip(keys.tolist(), entries.numbers.tolist(), entries.stamps.tolist(), strict=True):
-        merged.point(key, number, stamp)
+    inner = layers.shape[parents:]
+    last = np.ravel_multi_index(tuple(entries.coordinates[:, parents:].T), inner)
+    order = np.argsort(entries.stamps, kind="stable")
+    coordinates = np.column_stack([entries.coordinates[:, :parents], last])
+    merged.scalars(coordinates[order], entries.numbers[order], entries.stamps[order])
     return merged
 
 

@@ -52,6 +52,14 @@ class _Column:
     keys: list[int] = field(default_factory=list)
     numbers: list[float] = field(default_factory=list)
     stamps: list[int] = field(default_factory=list)
+    many: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = field(default_factory=list)
+
+    def arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """All keys, numbers and stamps."""
+        keys, stamps = np.array(self.keys, dtype=np.int64), np.array(self.stamps, dtype=np.int64)
+        chunks = [(keys, np.array(self.numbers, dtype=float), stamps), *self.many]
+        keys, numbers, stamps = (np.concatenate(parts) for parts in zip(*chunks, strict=True))
+        return keys, numbers, stamps
 
 
 @dataclass(frozen=True)
@@ -96,16 +104,9 @@ class Layers:
         if math.prod(self.shape) > _WIDEST:
             raise TooLarge(f"a table of {' × '.join(map(str, self.shape))} places")
         self.strides = tuple(math.prod(self.shape[axis + 1 :]) for axis in range(len(self.shape)))
-        self._points = _Column()
-        self._columns: dict[int, _Column] = {0: self._points}
+        self._columns: dict[int, _Column] = {0: _Column()}
         self._blocks: list[_Block] = []
         self._used = 0
-
-    def point(self, key: int, number: float, stamp: int) -> None:
-        """One number at one place, given by its row-major position."""
-        self._points.keys.append(key)
-        self._points.numbers.append(number)
-        self._points.stamps.append(stamp)
 
     def scalar(self, coordinates: Sequence[int], number: float, stamp: int) -> None:
         """One number for a whole box."""
@@ -114,6 +115,16 @@ class Layers:
         column.keys.append(key)
         column.numbers.append(number)
         column.stamps.append(stamp)
+
+    def scalars(self, coordinates: np.ndarray, numbers: np.ndarray, stamps: np.ndarray) -> None:
+        """Many statements of one number each: a row of coordinates, a number and a stamp for each of them."""
+        axes = np.arange(len(self.shape))
+        patterns = (coordinates < 0) @ (1 << axes)
+        keys = np.maximum(coordinates, 0) @ np.array(self.strides, dtype=np.int64)
+        for free in np.unique(patterns).tolist():
+            same = patterns == free
+            self._columns.setdefault(free, _Column()).many.append((keys[same], numbers[same], stamps[same]))
+            self._used |= (1 << len(self.shape)) - 1 & ~free
 
     def array(self, coordinates: Sequence[int], along: Sequence[int], numbers: np.ndarray, stamp: int) -> None:
         """Numbers along some free axes (row-major), the same for all values of the other free ones."""
@@ -174,20 +185,17 @@ class Layers:
         return key, free
 
     def _axes(self, keep: Sequence[int]) -> tuple[int, ...]:
-        used = (1 << len(self.shape)) - 1 if self._points.keys else self._used
-        return tuple(axis for axis in range(len(self.shape)) if used >> axis & 1 or axis in keep)
+        return tuple(axis for axis in range(len(self.shape)) if self._used >> axis & 1 or axis in keep)
 
     def _covers(self) -> dict[int, tuple[np.ndarray, np.ndarray]]:
         """For each set of free axes: the boxes there are, sorted, and when each was last filled."""
-        said: dict[int, tuple[list[int], list[int]]] = {
-            free: (list(column.keys), list(column.stamps)) for free, column in self._columns.items() if free
-        }
-        for block in self._blocks:
-            said.setdefault(block.free, ([], []))[0].append(block.key)
-            said[block.free][1].append(block.stamp)
+        said = {free: [column.arrays()[::2]] for free, column in self._columns.items() if free}
+        for free, blocks in self._by_pattern().items():
+            keys = np.array([block.key for block in blocks], dtype=np.int64)
+            said.setdefault(free, []).append((keys, np.array([block.stamp for block in blocks], dtype=np.int64)))
         covers = {}
-        for free, (listed, times) in said.items():
-            keys, stamps = np.array(listed, dtype=np.int64), np.array(times, dtype=np.int64)
+        for free, parts in said.items():
+            keys, stamps = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
             order = np.lexsort((stamps, keys))
             keys, stamps = keys[order], stamps[order]
             last = np.append(keys[1:] != keys[:-1], True) if len(keys) else np.zeros(0, dtype=bool)
@@ -217,15 +225,13 @@ class Layers:
         parts: list[tuple[np.ndarray, np.ndarray, np.ndarray, int]] = []
         total = 0
         for free, column in self._columns.items():
-            keys = np.array(column.keys, dtype=np.int64)
-            numbers, stamps = np.array(column.numbers), np.array(column.stamps, dtype=np.int64)
+            keys, numbers, stamps = column.arrays()
             holds = ~self._covered(keys, stamps, free, covers)
             if free:
                 holds &= numbers != 0
             parts.append((keys[holds], numbers[holds], stamps[holds], free))
             total += int(holds.sum()) * self._extent(free, axes)
-        for free in {block.free for block in self._blocks}:
-            same = [block for block in self._blocks if block.free == free]
+        for free, same in self._by_pattern().items():
             keys = np.array([block.key for block in same], dtype=np.int64)
             stamps = np.array([block.stamp for block in same], dtype=np.int64)
             for block, gone in zip(same, self._covered(keys, stamps, free, covers), strict=True):
@@ -238,6 +244,12 @@ class Layers:
         self._refuse_if_large(total)
         made = [self._spread(*part, axes) for part in parts]
         return tuple(np.concatenate(arrays) for arrays in zip(*made, strict=True))  # type: ignore[return-value]
+
+    def _by_pattern(self) -> dict[int, list[_Block]]:
+        found: dict[int, list[_Block]] = {}
+        for block in self._blocks:
+            found.setdefault(block.free, []).append(block)
+        return found
 
     def _refuse_if_large(self, total: int) -> None:
         if total > MOST_ENTRIES:

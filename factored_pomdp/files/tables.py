@@ -8,6 +8,7 @@ import numpy as np
 
 from factored_pomdp.errors import TooLarge
 from factored_pomdp.factors import DenseFactor, Factor, SparseFactor
+from factored_pomdp.factors.sparse import unflatten
 from factored_pomdp.files.faults import FaultList
 from factored_pomdp.files.layers import MOST_ENTRIES, Entries, Layers
 from factored_pomdp.validation import TOLERANCE
@@ -101,7 +102,7 @@ def _check_sums(
     np.maximum.at(stamps, rows, entries.stamps)
     positions = np.flatnonzero(off)
     for position in positions[:_MOST_ROWS]:
-        at = np.unravel_index(position, [variable.size for variable in parents]) if parents else ()
+        at = unflatten(np.array([position]), tuple(parents))[0]
         stamp = int(stamps[position])
         found = "no distribution" if stamp < 0 else f"probabilities that sum to {sums[position]:.9g}"
         faults.note(stamp if stamp >= 0 else None, where + _at(parents, at), found, "sum 1")
@@ -109,7 +110,7 @@ def _check_sums(
         faults.note(None, where, f"{len(positions) - _MOST_ROWS:,} more such distributions", "sum 1")
 
 
-def _at(variables: Sequence[Variable], index: Sequence[int] | np.ndarray) -> str:
+def _at(variables: Sequence[Variable], index: np.ndarray) -> str:
     if not variables:
         return ""
     return " at " + ", ".join(f"{v.name}={v.values[int(i)]}" for v, i in zip(variables, index, strict=True))

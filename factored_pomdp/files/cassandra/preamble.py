@@ -109,8 +109,8 @@ class Preamble:
             self._some(keyword, states, words, begin)
         elif words == ["uniform"]:
             self.start = None
-        elif len(words) == 1 and not (states.size == 1 and all_numbers(words)):
-            self._some("start include", states, words, begin)
+        elif len(words) == 1 and (states.size > 1 or words[0] in lookup(states)):
+            self._some(keyword, states, words, begin)
         else:
             numbers = all_numbers(words)
             if numbers is None or len(numbers) != states.size:

@@ -120,12 +120,12 @@ def _model(path: Path, tokens: Tokens, preamble: Preamble, statements: Statement
     seen = preamble.variables.get("observations")
     _check_start(preamble, faults)
     transition, reward = statements.kinds["T"], statements.kinds["R"]
-    moves = as_distribution(transition.layers, transition.scope, state.next, "transition of state", faults)
+    moves = as_distribution(transition.layers, transition.scope, state.next, f"transition of {state.next.name}", faults)
     earned = as_reward(reward.layers, reward.scope, "reward", faults)
     views: Factor | None = None
     if seen is not None:
         table = statements.kinds["O"]
-        views = as_distribution(table.layers, table.scope, seen, "observation", faults)
+        views = as_distribution(table.layers, table.scope, seen, f"observation of {seen.name}", faults)
     faults.raise_if_any(path, tokens.lines_of)
     if preamble.costs and earned is not None:
         earned = _negated(earned)

@@ -23,6 +23,9 @@ _FEWEST = {"T": 1, "O": 1, "R": 2}
 """How many names may stand before the numbers, at the least."""
 
 
+_MOST_AT_ONCE = 1 << 16
+
+
 @dataclass
 class _Kind:
     """One of the three tables: the variables along its axes, names to positions for each, and what has been said."""
@@ -42,6 +45,7 @@ class Statements:
 
     def __init__(self, tokens: Tokens, preamble: Preamble, faults: FaultList) -> None:
         self.tokens, self.preamble, self.faults = tokens, preamble, faults
+        self._hoped = 8
         state, action = preamble.variables["states"], preamble.variables["actions"]
         observation = preamble.variables.get("observations")
         seen = () if observation is None else (observation,)
@@ -62,28 +66,36 @@ class Statements:
             if kind is None:
                 self.faults.note(begin, "O", "an observation table", "'observations:' before it")
                 return end
-            begin = self._entry(kind, begin) or self._general(kind, begin)
+            begin = self._run(kind, begin) or self._general(kind, begin)
         return begin
 
-    def _entry(self, kind: _Kind, begin: int) -> int:
-        """Read the form that nearly every line has: all names, one number. 0 if it is another form, or faulty."""
-        tokens, arity = self.tokens, len(kind.scope)
-        last = begin + 2 * arity + 1
+    def _run(self, kind: _Kind, begin: int) -> int:
+        """Read a run of statements of the form that nearly every line has: all names, one number.
+
+        As many as hoped for are read at once, or none (0); the hope grows as it is met.
+        """
+        arity = len(kind.scope)
+        step = 2 * arity + 2
+        words = self.tokens[begin : begin + step * self._hoped]
+        number = len(words) // step
+        del words[number * step :]
+        colons = (words[1 + 2 * axis :: step].count(":") == number for axis in range(arity))
         try:
-            number = float(tokens[last])
-            coordinates = [kind.positions[axis][tokens[begin + 2 + 2 * axis]] for axis in range(arity)]
-        except (ValueError, KeyError, IndexError):
+            if not number or words[::step].count(kind.letter) < number or not all(colons):
+                raise ValueError
+            columns = [
+                list(map(known.__getitem__, words[2 + 2 * axis :: step])) for axis, known in enumerate(kind.positions)
+            ]
+            numbers = np.array(list(map(float, words[step - 1 :: step])))
+            if not np.isfinite(numbers).all():
+                raise ValueError
+        except (KeyError, ValueError):
+            self._hoped = max(1, self._hoped // 8)
             return 0
-        if not math.isfinite(number) or any(tokens[begin + 3 + 2 * axis] != ":" for axis in range(arity - 1)):
-            return 0
-        if min(coordinates) >= 0:
-            key = 0
-            for position, stride in zip(coordinates, kind.layers.strides, strict=True):
-                key += position * stride
-            kind.layers.point(key, number, begin)
-        else:
-            kind.layers.scalar(coordinates, number, begin)
-        return last + 1
+        self._hoped = min(4 * self._hoped, _MOST_AT_ONCE)
+        stamps = begin + step * np.arange(number, dtype=np.int64)
+        kind.layers.scalars(np.array(columns, dtype=np.int64).T, numbers, stamps)
+        return begin + number * step
 
     def _general(self, kind: _Kind, begin: int) -> int:
         """Read any form; returns where the next statement may begin."""
@@ -98,7 +110,7 @@ class Statements:
         if len(names) < _FEWEST[kind.letter]:
             self.faults.note(begin, kind.letter, "an action only", "an action and a state before the numbers")
         end = self._body(kind, coordinates, len(names), begin, body, sound=len(self.faults) == before)
-        return self._past_surplus(kind, end)
+        return self._past_surplus(kind, end, told=len(self.faults) > before)
 
     def _position(self, kind: _Kind, axis: int, position: int) -> int:
         word, variable = self._word(position), kind.scope[axis]
@@ -127,12 +139,8 @@ class Statements:
         except ValueError:
             complete = False
         if not complete:
-            end = after_numbers(self.tokens, body)
-            shape = " × ".join(str(kind.scope[axis].size) for axis in along) or "1"
-            found = f"{end - body:,} numbers" if end > body else shortened(word) if word else "the end of the file"
-            needed = f"{expected:,} numbers ({shape})" if expected > 1 else "a number"
-            self.faults.note(min(body, len(self.tokens) - 1), kind.letter + self._names(begin, named), found, needed)
-            return max(end, body)
+            needed = f"{expected:,} numbers ({' × '.join(str(kind.scope[axis].size) for axis in along)})"
+            return self._past_incomplete(kind.letter + self._names(begin, named), body, needed if along else "a number")
         if not np.isfinite(numbers).all():
             place = body + int(np.flatnonzero(~np.isfinite(numbers))[0])
             self.faults.note(place, kind.letter, shortened(self.tokens[place]), "a finite number")
@@ -154,10 +162,21 @@ class Statements:
             expected = "numbers or 'uniform'" if word == "reset" else "numbers (identity takes a whole square matrix)"
             self.faults.note(begin, kind.letter, word, expected)
 
-    def _past_surplus(self, kind: _Kind, end: int) -> int:
-        """Note words up to the next statement that belong to none."""
+    def _past_incomplete(self, where: str, body: int, needed: str) -> int:
+        """Note that numbers are missing, or the word that stands in their place; returns the position after it."""
+        end = after_numbers(self.tokens, body)
+        begins_another = self._word(end + 1) == ":" or (self._word(end) == "start" and self._word(end + 2) == ":")
+        if end < len(self.tokens) and not begins_another:
+            self.faults.note(end, where, shortened(self.tokens[end]), needed)
+            return end + 1
+        found = f"{end - body:,} numbers" if end < len(self.tokens) or end > body else "the end of the file"
+        self.faults.note(min(body, len(self.tokens) - 1), where, found, needed)
+        return end
+
+    def _past_surplus(self, kind: _Kind, end: int, *, told: bool) -> int:
+        """Note numbers up to the next statement that belong to none (unless something else was wrong already)."""
         after = after_numbers(self.tokens, end)
-        if after > end:
+        if after > end and not told:
             self.faults.note(end, kind.letter, f"{after - end:,} more numbers than expected", "the next statement")
         return after
 

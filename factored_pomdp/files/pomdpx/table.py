@@ -32,34 +32,65 @@ def read_table(
 ) -> None:
     """Lay a table's entries into ``layers``, whose axes are ``scope``; ``children`` is empty for a reward."""
     positions = [lookup(variable) | {"*": -1, "-": -1} for variable in scope]
+    many: list[tuple[list[int], float, int]] = []
     for entry in parameter.children:
         if faults.full:
             return
+        stamp = lines.stamp(entry.line)
         if entry.tag != "Entry":
-            faults.note(lines.stamp(entry.line), "<Parameter type='TBL'>", f"<{entry.tag}>", "<Entry>")
+            faults.note(stamp, "<Parameter type='TBL'>", f"<{entry.tag}>", "<Entry>")
             continue
         instance, table = entry.first("Instance"), entry.first("ProbTable") or entry.first("ValueTable")
-        stamp = lines.stamp(entry.line)
         if instance is None or table is None:
             faults.note(
                 stamp, "<Entry>", "no <Instance> or no table", "an <Instance>, and a <ProbTable> or <ValueTable>"
             )
             continue
         words = instance.text.split()
-        if not scope and words in ([], ["-"], ["*"], ["null"]):
-            words = []
-        if len(words) != len(scope):
-            names = " ".join(variable.name for variable in scope)
-            faults.note(stamp, "<Instance>", f"{len(words)} words", f"{len(scope)}, one for each of: {names}")
+        coordinates = _coordinates(words, positions, scope, stamp, faults)
+        if coordinates is None:
             continue
-        coordinates = [found.get(word) for found, word in zip(positions, words, strict=True)]
-        if None in coordinates:
-            axis = coordinates.index(None)
-            expected = f"a value of {scope[axis].name}, * or -{did_you_mean(words[axis], scope[axis].values)}"
-            faults.note(stamp, "<Instance>", shortened(words[axis]), expected)
-            continue
-        along = [axis for axis, word in enumerate(words) if word == "-"]
-        _lay(layers, [c for c in coordinates if c is not None], along, table, scope, children, stamp, faults)
+        number = _one_number(table.text) if "-" not in words else None
+        if number is not None:
+            many.append((coordinates, number, stamp))
+        else:
+            along = [axis for axis, word in enumerate(words) if word == "-"] if scope else []
+            _lay(layers, coordinates, along, table, scope, children, stamp, faults)
+    if many:
+        places, numbers, stamps = zip(*many, strict=True)
+        layers.scalars(np.array(places, dtype=np.int64).reshape(len(many), -1), np.array(numbers), np.array(stamps))
+
+
+def _coordinates(
+    words: list[str],
+    positions: Sequence[dict[str, int]],
+    scope: Sequence[Variable],
+    stamp: int,
+    faults: FaultList,
+) -> list[int] | None:
+    """Positions of an instance's values, -1 for ``*`` and ``-``; ``None`` after a fault was noted."""
+    if not scope and words in (["-"], ["*"], ["null"]):
+        return []
+    if len(words) != len(scope):
+        names = " ".join(variable.name for variable in scope)
+        faults.note(stamp, "<Instance>", f"{len(words)} words", f"{len(scope)}, one for each of: {names}")
+        return None
+    found = []
+    for word, known, variable in zip(words, positions, scope, strict=True):
+        if word not in known:
+            expected = f"a value of {variable.name}, * or -{did_you_mean(word, variable.values)}"
+            faults.note(stamp, "<Instance>", shortened(word), expected)
+            return None
+        found.append(known[word])
+    return found
+
+
+def _one_number(text: str) -> float | None:
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
 
 
 def _lay(

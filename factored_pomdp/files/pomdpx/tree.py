@@ -52,7 +52,7 @@ _CHUNK = 1 << 20
 
 @dataclass(slots=True)
 class Element:
-    """One element: its tag, attributes, text (without that of its children), children and line."""
+    """One element: its tag, attributes, line, children, and its text if the format knows none within it."""
 
     tag: str
     attributes: dict[str, str]
@@ -130,6 +130,7 @@ class _Builder:
         self.root: Element | None = None
         self._lines, self._faults = lines, faults
         self._open: list[Element | None] = []
+        self._text: list[str] = []
         self._count = 0
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
@@ -147,13 +148,16 @@ class _Builder:
         else:
             element = self._placed(element, self._open[-1])
         self._open.append(element)
+        self._text.clear()
 
     def end(self, tag: str) -> None:
-        self._open.pop()
+        element = self._open.pop()
+        if element is not None and tag not in CHILDREN:
+            element.text = "".join(self._text)
+        self._text.clear()
 
     def characters(self, text: str) -> None:
-        if self._open[-1] is not None:
-            self._open[-1].text += text
+        self._text.append(text)
 
     def entity(self, name: str, *rest: object) -> None:
         raise _Refused(f"a declaration of the entity {shortened(name)}", "a file without entities")

@@ -100,6 +100,6 @@ def compared(plan: Plan, runs: int, workers: int, progress: bool | None = None) 
         return run_jobs(jobs, workers, lambda batch: advance(sum(_work(one.case.setup.targets) for one in batch)))
 
 
-def _work(targets: int) -> float:
+def _work(targets: int) -> int:
     """How long a run takes, relative to others; measured on the hall, good enough to foretell the end."""
     return 6 + targets

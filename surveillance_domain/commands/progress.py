@@ -16,17 +16,17 @@ _SECONDS_BETWEEN_LINES = 5.0
 class Advance(Protocol):
     """Told how much more is done, and optionally what is being done."""
 
-    def __call__(self, amount: float, doing: str | None = None) -> None: ...
+    def __call__(self, amount: int, doing: str | None = None) -> None: ...
 
 
 class _Lines:
     """A line every few seconds, where there is no terminal to draw on."""
 
-    def __init__(self, doing: str, total: float) -> None:
-        self._doing, self._total, self._done = doing, total, 0.0
-        self._start = self._told = time.monotonic()
+    def __init__(self, doing: str, total: int) -> None:
+        self._doing, self._total, self._done = doing, total, 0
+        self._start, self._told = time.monotonic(), -_SECONDS_BETWEEN_LINES
 
-    def __call__(self, amount: float, doing: str | None = None) -> None:
+    def __call__(self, amount: int, doing: str | None = None) -> None:
         self._doing, self._done = doing or self._doing, self._done + amount
         now = time.monotonic()
         if now - self._told >= _SECONDS_BETWEEN_LINES and 0 < self._done < self._total:
@@ -36,13 +36,13 @@ class _Lines:
 
 
 @contextmanager
-def progress_bar(doing: str, total: float, wanted: bool | None = None) -> Iterator[Advance]:
+def progress_bar(doing: str, total: int, wanted: bool | None = None) -> Iterator[Advance]:
     """A bar with the time that is left.
 
     Parameters
     ----------
     doing : str
-    total : float
+    total : int
         Work, in any unit; what is left is foretold from it.
     wanted : bool, optional
         ``None``: only on a terminal.
@@ -74,7 +74,7 @@ def progress_bar(doing: str, total: float, wanted: bool | None = None) -> Iterat
     ) as progress:
         task = progress.add_task(doing, total=total)
 
-        def advance(amount: float, doing: str | None = None) -> None:
+        def advance(amount: int, doing: str | None = None) -> None:
             progress.update(task, advance=amount, description=doing)
 
         yield advance

@@ -104,7 +104,7 @@ def _scale(panels: Sequence[Panel]) -> tuple[float, float]:
     ]
     if not ends:
         return 0.0, 100.0
-    return max(0.0, 10 * math.floor(min(ends) / 10)), min(102.0, 10 * math.ceil(max(ends) / 10 + 0.1))
+    return max(0.0, 10.0 * math.floor(min(ends) / 10)), min(102.0, 10.0 * math.ceil(max(ends) / 10 + 0.1))
 
 
 def _draw_panel(axes: Axes, panel: Panel) -> None:

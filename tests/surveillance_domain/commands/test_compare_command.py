@@ -1,0 +1,71 @@
+"""``surveillance compare``."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+SMALL = (
+    "compare",
+    "tiny",
+    "micro",
+    "--targets",
+    "2,1",
+    "--controllers",
+    "pomdp,sys,mp-hold",
+    "--steps",
+    5,
+    "--runs",
+    3,
+)
+
+
+@pytest.mark.end_to_end
+def test_rows_differences_and_files(surveillance: Callable[..., Any], tmp_path: Path) -> None:
+    answer = surveillance(*SMALL, "--workers", 1, "--out", tmp_path, "--json")
+    assert answer.code == 0
+    found = answer.json
+    cases = [(row["site"], row["targets"], row["controller"]) for row in found["rows"]]
+    names = ("pomdp", "sys", "mp-hold")
+    assert cases == [(site, m, name) for site in ("tiny", "micro") for m in (1, 2) for name in names]
+    per_run = {case: row["per_run"] for case, row in zip(cases, found["rows"], strict=True)}
+    for row in found["differences"]:
+        ours = per_run[row["site"], row["targets"], "pomdp"]
+        theirs = per_run[row["site"], row["targets"], row["controller"]]
+        paired = [a - b for a, b in zip(ours, theirs, strict=True)]
+        assert row["mean"] == pytest.approx(sum(paired) / 3)
+        assert row["ci95"][0] <= row["mean"] <= row["ci95"][1]
+    assert len(found["differences"]) == 8
+    assert set(found["provenance"]["inputs"]) == {"tiny", "micro"}
+    assert found["provenance"]["seed"] == 0
+    files = ["comparison.csv", "comparison.png", "comparison.svg", "differences.csv", "provenance.json", "result.json"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == files
+    with (tmp_path / "comparison.csv").open(newline="") as file:
+        lines = list(csv.DictReader(file))
+    assert [float(line["mean"]) for line in lines] == pytest.approx([row["mean"] for row in found["rows"]], abs=1e-3)
+    assert json.loads((tmp_path / "result.json").read_text()) == found
+
+
+@pytest.mark.end_to_end
+def test_the_same_numbers_as_simulate(surveillance: Callable[..., Any]) -> None:
+    one = ("--targets", "2", "--steps", 5, "--runs", 3, "--truth", "continuous", "--json")
+    compared = surveillance("compare", "tiny", "--controllers", "pomdp,msp", "--workers", 1, *one).json
+    simulated = surveillance("simulate", "tiny", "--controller", "msp", *one).json
+    (row,) = (row for row in compared["rows"] if row["controller"] == "msp")
+    assert row["per_run"] == simulated["percent_obs"]["per_run"]
+    assert row["ci95"] == simulated["percent_obs"]["ci95"]
+
+
+@pytest.mark.end_to_end
+def test_tables_are_for_people_and_progress_goes_elsewhere(surveillance: Callable[..., Any]) -> None:
+    answer = surveillance("compare", "micro", "--targets", "1", "--steps", 2, "--runs", 2, "--workers", 1, "--progress")
+    assert answer.code == 0
+    for words in ("micro: PercentObs, grid truth", "micro: P minus, grid truth", "full information"):
+        assert words in answer.out
+    assert "s left" in answer.err
+    assert "s left" not in answer.out

@@ -1,0 +1,33 @@
+"""``surveillance coverage``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+
+@pytest.mark.end_to_end
+def test_coverage_draws_and_counts(surveillance: Callable[..., Any], tmp_path: Path) -> None:
+    answer = surveillance("coverage", "micro", "--out", tmp_path / "micro.png", "--json")
+    assert answer.code == 0
+    found = answer.json
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["micro.png", "micro.svg"]
+    assert found["free_cells"] == 4
+    cells = {camera["name"]: [preset["cells"] for preset in camera["presets"]] for camera in found["cameras"]}
+    assert cells == {"west": [1, 1], "east": [1, 1]}  # the site file: each preset sees one cell
+    assert found["joint_preset"]["share"] == 0.5
+    assert found["joint_preset"]["proved_best"] is True
+    assert found["all_presets_share"] == 0.75  # neither camera sees the upper right cell
+    assert found["provenance"]["inputs"]["micro"].startswith("sha256:")
+
+
+@pytest.mark.end_to_end
+@pytest.mark.parametrize("name", ["micro.pdf", "micro", ""])
+def test_other_pictures_are_not_made(surveillance: Callable[..., Any], tmp_path: Path, name: str) -> None:
+    answer = surveillance("coverage", "micro", "--out", tmp_path / name)
+    assert answer.code == 2
+    assert "expected the name of a file that ends in .png" in answer.err
+    assert list(tmp_path.iterdir()) == []

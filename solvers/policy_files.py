@@ -58,7 +58,7 @@ def load_policy(path: Path, model: FactoredPOMDP) -> VectorPolicy:
         Naming the file: it is no policy, or one of another model.
     """
     try:
-        with np.load(path, allow_pickle=False) as content:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
             arrays = {name: content[name] for name in content.files}
         header = json.loads(str(arrays["header"]))
         is_policy = header.get("format") == _FORMAT

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 import factored_pomdp as fp
-from tests.strategies import _random_module_as_found
+from tests.strategies import random_module_as_found
 
 __all__ = ["small_models"]
 
@@ -27,7 +27,7 @@ def small_models(
     seen = draw(st.integers(1, 3))
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     digits = draw(st.integers(0, 6))
-    with _random_module_as_found():
+    with random_module_as_found():
         return _model(rng, states, actions, seen, digits, discount)
 
 

@@ -29,7 +29,7 @@ def test_tiger_by_hand() -> None:
 
 
 @pytest.mark.property
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(small_models())
 def test_value_iteration_agrees_with_the_linear_program(model: fp.FactoredPOMDP) -> None:
     flat = flatten(model)
@@ -40,7 +40,7 @@ def test_value_iteration_agrees_with_the_linear_program(model: fp.FactoredPOMDP)
 
 
 @pytest.mark.property
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(small_models())
 def test_bounds_stand_in_order(model: fp.FactoredPOMDP) -> None:
     flat, rng = flatten(model), np.random.default_rng(0)
@@ -55,7 +55,7 @@ def test_bounds_stand_in_order(model: fp.FactoredPOMDP) -> None:
 
 
 @pytest.mark.property
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(small_models())
 def test_finite_horizons_bound_the_belief_tree(model: fp.FactoredPOMDP) -> None:
     value = tree_values(model, 3).max()
@@ -101,7 +101,7 @@ def test_what_the_agent_can_tell_makes_classes() -> None:
 
 
 @pytest.mark.property
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(small_models(most_states=4))
 def test_beliefs_never_leave_their_class(model: fp.FactoredPOMDP) -> None:
     flat, rng = flatten(model), np.random.default_rng(1)

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 import factored_pomdp as fp
 from solvers.belief_tree import tree_values
 from solvers.exact import Exact
-from solvers.flat import flatten
 from solvers.parsimonious import parsimonious
 from solvers.solution import Limits
 from tests.solvers.small_models import small_models
@@ -27,24 +26,30 @@ def test_tiger_by_hand() -> None:
 
 
 @pytest.mark.property
-@settings(max_examples=250)
+@settings(max_examples=200)
 @given(small_models(), st.integers(1, 4))
 def test_equals_the_belief_tree(model: fp.FactoredPOMDP, horizon: int) -> None:
-    policy = Exact(model).solve(Limits(horizon=horizon)).policy
-    rng = np.random.default_rng(0)
-    supported = flatten(model).tables.class_of[flatten(model).rank] == flatten(model).class_at(flatten(model).initial)
-    random = rng.dirichlet(np.ones(model.joint_states)) * supported
-    for belief in (fp.joint(model).initial, random / random.sum()):
-        for steps in range(1, horizon + 1):
-            worth = tree_values(model, steps, belief)
-            decision = policy.decide(belief, steps)
-            assert decision.value == pytest.approx(worth.max(), abs=1e-8)
-            chosen = fp.joint(model).actions.index(dict(decision.action))
-            assert worth[chosen] == pytest.approx(worth.max(), abs=1e-8)
+    decision = (policy := Exact(model).solve(Limits(horizon=horizon)).policy).decide(policy.start())
+    worth = tree_values(model, horizon)
+    assert decision.value == pytest.approx(worth.max(), abs=1e-8)
+    assert worth[policy.flat.actions.index(dict(decision.action))] == pytest.approx(worth.max(), abs=1e-8)
 
 
 @pytest.mark.property
-@settings(max_examples=60)
+@settings(max_examples=30)
+@given(small_models(), st.integers(2, 4))
+def test_equals_the_belief_tree_at_other_beliefs_and_steps_to_go(model: fp.FactoredPOMDP, horizon: int) -> None:
+    policy = Exact(model).solve(Limits(horizon=horizon)).policy
+    flat, rng = policy.flat, np.random.default_rng(0)
+    reachable = flat.tables.class_of[flat.rank] == flat.class_at(flat.initial)
+    belief = rng.dirichlet(np.ones(flat.size)) * reachable
+    belief = belief / belief.sum()
+    for steps in (1, horizon):
+        assert policy.decide(belief, steps).value == pytest.approx(tree_values(model, steps, belief).max(), abs=1e-8)
+
+
+@pytest.mark.property
+@settings(max_examples=40)
 @given(random_models(most_states=3), st.integers(1, 3))
 def test_equals_the_belief_tree_with_known_variables_and_legal_actions(model: fp.FactoredPOMDP, horizon: int) -> None:
     assume(model.joint_states <= 18 and (model.joint_actions * model.joint_observations) ** (horizon - 1) <= 1500)

@@ -70,7 +70,5 @@ def test_tiger_by_hand() -> None:
 @pytest.mark.example
 def test_too_large_is_refused_with_its_sizes() -> None:
     model = fp.domain("machine-repair", machines=12)
-    with pytest.raises(
-        fp.TooLarge, match=r"531,441 joint states, 4,096 joint actions.* bytes; 4,000,000,000 allowed"
-    ):
+    with pytest.raises(fp.TooLarge, match=r"531,441 joint states, 4,096 joint actions.* bytes; 4,000,000,000 allowed"):
         fp.joint(model)

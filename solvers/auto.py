@@ -89,7 +89,8 @@ class Auto:
     def _by_blocks(self, limits: Limits, too_large: str) -> Solution:
         watch = Stopwatch(limits.time_limit)
         model = self.model
-        upper, notes = block_bound(model, limits.horizon)
+        half = None if limits.time_limit is None else limits.time_limit / 2
+        upper, notes = block_bound(model, limits.horizon, half)
         steps = limits.horizon or steps_that_matter(model)
         returns, lower, stopped = Returns(model, steps), -math.inf, "solved"
         try:

@@ -3,8 +3,9 @@
 Where a model decomposes, rewards are a sum over blocks, and a block's states and observations depend on the others only
 through the actions. Were each block free to choose all actions for itself alone, it would earn no less than under any
 joint policy: so ``V ≤ Σ_k V_k`` with V_k the optimal value of block k with the known variables that it reads. The
-block's value is bounded by the fast informed bound, or, where even the block is too large to flatten, by its largest
-reward in every step. Rewards of known variables and actions alone are bounded the second way.
+block's value is bounded by the point-based search (with a horizon: by the fast informed bound), or, where even the
+block is too large to flatten, by its largest reward in every step. Rewards of known variables and actions alone are
+bounded this last way.
 """
 
 from __future__ import annotations
@@ -19,20 +20,30 @@ from factored_pomdp.factors import Factor
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.structure import Block
 from solvers.flat import can_flatten
+from solvers.point_based import PointBased
 from solvers.solution import Limits
 from solvers.upper_bounds import FIB
 
 __all__ = ["block_bound", "block_model"]
 
 
-def block_bound(model: FactoredPOMDP, horizon: int | None) -> tuple[float, tuple[str, ...]]:
-    """The bound at the initial belief, and how each block's part was found."""
+def block_bound(
+    model: FactoredPOMDP, horizon: int | None, seconds: float | None = None
+) -> tuple[float, tuple[str, ...]]:
+    """The bound at the initial belief, and how each block's part was found.
+
+    Parameters
+    ----------
+    seconds : float, optional
+        For all blocks together; a second each if left out.
+    """
     structure = plan_of(model).structure
     steps = float(horizon) if model.discount >= 1 and horizon is not None else _steps(model.discount, horizon)
     total = steps * sum(_largest(reward) for _, reward in structure.free_rewards)
     notes: dict[str, int] = {}
+    share = 1.0 if seconds is None else max(seconds, 1e-3) / max(1, len(structure.blocks))
     for block in structure.blocks:
-        part, how = _bound_of(model, block, horizon, steps)
+        part, how = _bound_of(model, block, Limits(horizon=horizon, time_limit=share), steps)
         total += part
         notes[how] = notes.get(how, 0) + 1
     return total, tuple(f"{number} block(s) bounded by {how}" for how, number in notes.items())
@@ -74,12 +85,14 @@ def block_model(model: FactoredPOMDP, block: Block) -> FactoredPOMDP | None:
         return None
 
 
-def _bound_of(model: FactoredPOMDP, block: Block, horizon: int | None, steps: float) -> tuple[float, str]:
+def _bound_of(model: FactoredPOMDP, block: Block, limits: Limits, steps: float) -> tuple[float, str]:
     simple = steps * sum(_largest(reward) for _, reward in block.rewards)
     alone = block_model(model, block)
     if alone is None or not can_flatten(alone):
         return simple, "its largest reward in every step"
-    return min(simple, FIB(alone).solve(Limits(horizon=horizon)).upper), "the fast informed bound"
+    if limits.horizon is None:
+        return min(simple, PointBased(alone).solve(limits).upper), "point-based search on it alone"
+    return min(simple, FIB(alone).solve(limits).upper), "the fast informed bound"
 
 
 def _states(model: FactoredPOMDP, tables: Iterable[Factor]) -> set[str]:

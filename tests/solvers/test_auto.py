@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import factored_pomdp as fp
-from solvers import Auto, Limits, PointBased
+from solvers import Auto, Exact, Limits, PointBased
 from solvers import auto as auto_module
 from solvers.block_bounds import block_bound
 
@@ -31,9 +31,12 @@ def test_chooses_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_blocks_bound_from_above() -> None:
     """Three machines are three times one machine, and no more than their blocks' bounds."""
     one = PointBased(fp.domain("machine-repair", machines=1)).solve(Limits(precision=1e-3))
-    bound, notes = block_bound(fp.domain("machine-repair", machines=3), None)
-    assert 3 * one.lower <= bound
-    assert bound <= 3 * one.upper + 0.3
+    bound, notes = block_bound(fp.domain("machine-repair", machines=3), None, seconds=15.0)
+    assert 3 * one.lower <= bound <= 3 * one.upper + 0.1
+    assert notes == ("3 block(s) bounded by point-based search on it alone",)
+    bound, notes = block_bound(fp.domain("machine-repair", machines=3), 4)
+    exact = Exact(fp.domain("machine-repair", machines=1)).solve(Limits(horizon=4))
+    assert 3 * exact.lower <= bound + 1e-9
     assert notes == ("3 block(s) bounded by the fast informed bound",)
 
 

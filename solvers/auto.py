@@ -29,6 +29,7 @@ __all__ = ["Auto"]
 
 _FEW_STATES = 30
 _RUNS = 400
+_FEWEST_RUNS = 10
 _SURE = 0.99
 
 
@@ -100,7 +101,7 @@ class Auto:
                     lower = returns.interval(_SURE)[0] - (returns.truncation_error if limits.horizon is None else 0.0)
                     if limits.progress is not None:
                         limits.progress(Progress(lower, upper, 0, 0, watch.seconds))
-                if watch.is_over and number >= 30:
+                if watch.is_over and number >= _FEWEST_RUNS:
                     stopped = "time limit"
                     break
         except KeyboardInterrupt:

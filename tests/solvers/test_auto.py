@@ -30,9 +30,9 @@ def test_chooses_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.example
 def test_blocks_bound_from_above() -> None:
     """Three machines are three times one machine, and no more than their blocks' bounds."""
-    one = PointBased(fp.domain("machine-repair", machines=1)).solve(Limits(precision=1e-3))
-    bound, notes = block_bound(fp.domain("machine-repair", machines=3), None, seconds=15.0)
-    assert 3 * one.lower <= bound <= 3 * one.upper + 0.1
+    one = PointBased(fp.domain("machine-repair", machines=1)).solve(Limits(precision=0.01))
+    bound, notes = block_bound(fp.domain("machine-repair", machines=3), None, seconds=3.0)
+    assert 3 * one.lower <= bound <= 3 * one.upper + 0.3
     assert notes == ("3 block(s) bounded by point-based search on it alone",)
     bound, notes = block_bound(fp.domain("machine-repair", machines=3), 4)
     exact = Exact(fp.domain("machine-repair", machines=1)).solve(Limits(horizon=4))
@@ -45,9 +45,9 @@ def test_too_large_to_flatten_but_decomposes() -> None:
     many = fp.domain("machine-repair", machines=16)
     assert not PointBased.can_solve(many)
     assert Auto.can_solve(many)
-    found = Auto(many).solve(Limits(horizon=3, time_limit=0.01))
-    # Nothing breaks at first: three steps earn at most 16 (1 + 0.95 + 0.95²), and running machines 15 at least.
-    assert 15 < found.lower < found.upper <= 16 * (1 + 0.95 + 0.95**2) + 1e-9
+    found = Auto(many).solve(Limits(horizon=2, time_limit=0.01))
+    # Two steps of good machines earn 16 · 1.95 at the most, and little less on average.
+    assert 29 < found.lower < found.upper <= 16 * 1.95 + 1e-9
     assert found.lower_is == "statistical"
     assert found.policy is None
     with pytest.raises(ValueError, match="no policy"):

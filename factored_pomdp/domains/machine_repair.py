@@ -1,8 +1,8 @@
-"""Machine repair: machines wear out unseen, each with a mechanic who may look after it; every machine earns while it runs.
+"""Machine repair: machines wear out unseen, each with a mechanic who may look after it; each earns while it runs.
 
-A factored cousin of the machine-maintenance problem of Smallwood and Sondik, "The optimal control of partially observable
-Markov processes over a finite horizon", Operations Research 21 (1973). ``coupled`` puts the machines in a row where a broken
-neighbour wears its neighbour out: then nothing decomposes.
+A factored cousin of the machine-maintenance problem of Smallwood and Sondik, "The optimal control of partially
+observable Markov processes over a finite horizon", Operations Research 21 (1973). ``coupled`` puts the machines in a
+row where a broken neighbour wears its neighbour out: then nothing decomposes.
 """
 
 from __future__ import annotations

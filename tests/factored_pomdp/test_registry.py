@@ -23,7 +23,7 @@ def test_built_in_domains_and_solvers_are_listed_with_their_summaries() -> None:
     assert found["tiger"].summary == "The tiger problem."
     assert found["tiger"].distribution.startswith("factored-pomdp ")
     assert found["tiger"].error is None
-    assert [entry.name for entry in registry.solvers()][:2] == ["myopic", "myopic-joint"]
+    assert {"myopic", "myopic-joint"} <= {entry.name for entry in registry.solvers()}
     assert all(entry.error is None and entry.summary for entry in registry.solvers())
 
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
+from factored_pomdp.errors import did_you_mean
 from factored_pomdp.variables import Variable
 
-__all__ = ["MOST_VALUES", "all_numbers", "lookup"]
+__all__ = ["MOST_VALUES", "all_numbers", "lookup", "near"]
 
 MOST_VALUES = 500_000
 """Values that a file may name or count for one variable."""
+
+_MOST_COMPARED = 500
 
 
 def all_numbers(words: list[str]) -> np.ndarray | None:
@@ -25,3 +30,8 @@ def lookup(variable: Variable) -> dict[str, int]:
     """Positions by name, or by number where no name looks like one; ``*`` gives -1."""
     positions = {str(position): position for position in range(variable.size)}
     return positions | {str(value): position for position, value in enumerate(variable.values)} | {"*": -1}
+
+
+def near(word: str, names: Collection[object]) -> str:
+    """As `did_you_mean`, but among many names only how many there are: comparing takes time for each of them."""
+    return did_you_mean(word, names) if len(names) <= _MOST_COMPARED else f" (there are {len(names):,})"

@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from factored_pomdp.errors import did_you_mean
 from factored_pomdp.files.cassandra.tokens import Tokens
 from factored_pomdp.files.faults import FaultList, shortened
-from factored_pomdp.files.values import MOST_VALUES, all_numbers, lookup
+from factored_pomdp.files.values import MOST_VALUES, all_numbers, lookup, near
 from factored_pomdp.variables import Variable
 
 __all__ = ["KEYWORDS", "Preamble"]
@@ -125,9 +124,7 @@ class Preamble:
         for position, word in enumerate(words):
             index = find.get(word, -1)
             if index < 0:
-                self.faults.note(
-                    begin + position, keyword, shortened(word), f"a state{did_you_mean(word, states.values)}"
-                )
+                self.faults.note(begin + position, keyword, shortened(word), f"a state{near(word, states.values)}")
                 return
             chosen[index] = True
         if keyword == "start exclude":

@@ -19,15 +19,16 @@ from pathlib import Path
 
 import numpy as np
 
-from factored_pomdp.errors import did_you_mean
+from factored_pomdp.errors import TooLarge
 from factored_pomdp.factors import DenseFactor, DeterministicFactor, Factor
 from factored_pomdp.files.build import built, with_notes
 from factored_pomdp.files.cassandra.preamble import KEYWORDS, Preamble
 from factored_pomdp.files.cassandra.statements import LETTERS, Statements
 from factored_pomdp.files.cassandra.tokens import Tokens
-from factored_pomdp.files.faults import FaultList, shortened
+from factored_pomdp.files.faults import FaultList, FileError, FileFault, shortened
 from factored_pomdp.files.tables import as_distribution, as_reward
 from factored_pomdp.files.text import as_text, read_bytes
+from factored_pomdp.files.values import near
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.validation import TOLERANCE
 from factored_pomdp.variables import Variable
@@ -51,10 +52,14 @@ def read_cassandra(path: Path) -> FactoredPOMDP:
     """
     tokens, faults = Tokens(as_text(path, read_bytes(path))), FaultList()
     preamble = Preamble(faults)
-    statements = _read_all(tokens, preamble, faults)
-    preamble.check_complete()
-    faults.raise_if_any(path, tokens.lines_of)
-    return _model(path, tokens, preamble, statements or Statements(tokens, preamble, faults), faults)
+    try:
+        statements = _read_all(tokens, preamble, faults)
+        preamble.check_complete()
+        faults.raise_if_any(path, tokens.lines_of)
+        statements = statements or Statements(tokens, preamble, faults)
+    except TooLarge as problem:
+        raise FileError(path, [FileFault("states, actions and observations", str(problem), "fewer of them")]) from None
+    return _model(path, tokens, preamble, statements, faults)
 
 
 def _read_all(tokens: Tokens, preamble: Preamble, faults: FaultList) -> Statements | None:
@@ -80,7 +85,7 @@ def _read_all(tokens: Tokens, preamble: Preamble, faults: FaultList) -> Statemen
             position = end
         else:
             known = [*KEYWORDS, *LETTERS]
-            faults.note(position, "statement", shortened(tokens[position]), f"a keyword{did_you_mean(keyword, known)}")
+            faults.note(position, "statement", shortened(tokens[position]), f"a keyword{near(keyword, known)}")
             position = _next_known(tokens, position + 1)
     return statements
 
@@ -108,9 +113,9 @@ def _next_statement(tokens: Tokens, begin: int) -> int:
 
 
 def _next_known(tokens: Tokens, begin: int) -> int:
-    for position in range(begin, len(tokens)):
-        keyword, _ = _keyword(tokens, position)
-        if keyword in KEYWORDS or keyword in LETTERS:
+    """Where the next keyword stands."""
+    for position, (word, after) in enumerate(zip(tokens[begin:], [*tokens[begin + 1 :], ""], strict=False), begin):
+        if (after == ":" and (word in LETTERS or word.lower() in KEYWORDS)) or word.lower() == "start":
             return position
     return len(tokens)
 

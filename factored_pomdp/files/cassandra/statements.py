@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from factored_pomdp.errors import did_you_mean
 from factored_pomdp.files.cassandra.preamble import Preamble
 from factored_pomdp.files.cassandra.tokens import Tokens
 from factored_pomdp.files.faults import FaultList, shortened
 from factored_pomdp.files.layers import Layers
-from factored_pomdp.files.values import lookup
+from factored_pomdp.files.values import lookup, near
 from factored_pomdp.variables import Variable
 
 __all__ = ["LETTERS", "Statements", "after_numbers"]
@@ -26,18 +25,14 @@ _FEWEST = {"T": 1, "O": 1, "R": 2}
 _MOST_AT_ONCE = 1 << 16
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Kind:
     """One of the three tables: the variables along its axes, names to positions for each, and what has been said."""
 
     letter: str
     scope: tuple[Variable, ...]
-    layers: Layers = field(init=False)
-    positions: tuple[dict[str, int], ...] = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.layers = Layers([variable.size for variable in self.scope])
-        self.positions = tuple(lookup(variable) for variable in self.scope)
+    positions: tuple[dict[str, int], ...]
+    layers: Layers
 
 
 class Statements:
@@ -46,15 +41,17 @@ class Statements:
     def __init__(self, tokens: Tokens, preamble: Preamble, faults: FaultList) -> None:
         self.tokens, self.preamble, self.faults = tokens, preamble, faults
         self._hoped = 8
-        state, action = preamble.variables["states"], preamble.variables["actions"]
-        observation = preamble.variables.get("observations")
-        seen = () if observation is None else (observation,)
+        variables = preamble.variables
+        positions = {variable.name: lookup(variable) for variable in variables.values()}
+        state, action = variables["states"], variables["actions"]
+        seen = (variables["observations"],) if "observations" in variables else ()
+        scopes = {"T": (action, state, state.next), "R": (action, state, state.next, *seen)}
+        if seen:
+            scopes["O"] = (action, state.next, *seen)
         self.kinds = {
-            "T": _Kind("T", (action, state, state.next)),
-            "R": _Kind("R", (action, state, state.next, *seen)),
+            letter: _Kind(letter, scope, tuple(positions[v.now.name] for v in scope), Layers([v.size for v in scope]))
+            for letter, scope in scopes.items()
         }
-        if observation is not None:
-            self.kinds["O"] = _Kind("O", (action, state.next, observation))
 
     def read(self, begin: int) -> int:
         """Read statements from a position on; returns the position of the first word that begins none."""
@@ -119,7 +116,7 @@ class Statements:
             what = variable.now.name
             article = "an" if what[0] in "ao" else "a"
             found = shortened(word) if position < len(self.tokens) else "the end of the file"
-            expected = f"{article} {what}{did_you_mean(word, variable.values)} or *"
+            expected = f"{article} {what}{near(word, variable.values)} or *"
             self.faults.note(position, kind.letter, found, expected)
             return -1
         return index

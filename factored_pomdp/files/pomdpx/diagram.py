@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from factored_pomdp.errors import did_you_mean
 from factored_pomdp.files.faults import FaultList, shortened
 from factored_pomdp.files.layers import Layers
 from factored_pomdp.files.pomdpx.tree import DEEPEST, Element, Lines
 from factored_pomdp.files.pomdpx.variables import whole
-from factored_pomdp.files.values import all_numbers, lookup
+from factored_pomdp.files.values import all_numbers, lookup, near
 from factored_pomdp.variables import Variable
 
 __all__ = ["MOST_STEPS", "read_diagram"]
@@ -110,7 +109,7 @@ class _Walk:
             template = self.templates.get(whole(end.attributes.get("idref", "")))
             if template is None:
                 wanted = end.attributes.get("idref", "")
-                self._note(end, f"idref={shortened(wanted)}", f"a template's id{did_you_mean(wanted, self.templates)}")
+                self._note(end, f"idref={shortened(wanted)}", f"a template's id{near(wanted, self.templates)}")
             else:
                 self.inside(template, coordinates, depth + 1)
             return
@@ -148,7 +147,7 @@ class _Walk:
         name = whole(element.attributes.get("var", ""))
         axis = self._axes.get(name)
         if axis is None:
-            self._note(element, f"var={shortened(name)}", f"a variable of the function{did_you_mean(name, self._axes)}")
+            self._note(element, f"var={shortened(name)}", f"a variable of the function{near(name, self._axes)}")
         elif coordinates[axis] >= 0:
             self._note(element, f"{name} a second time on one path", "every variable once")
             return None
@@ -158,7 +157,7 @@ class _Walk:
         value = whole(element.attributes.get("val", ""))
         position = self._positions[axis].get(value)
         if position is None or position < 0:
-            expected = f"a value of {self.scope[axis].name}{did_you_mean(value, self.scope[axis].values)}"
+            expected = f"a value of {self.scope[axis].name}{near(value, self.scope[axis].values)}"
             self._note(element, f"val={shortened(value)}", expected)
             return None
         return position

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from factored_pomdp.errors import TooLarge, did_you_mean
+from factored_pomdp.errors import TooLarge
 from factored_pomdp.factors import Factor
 from factored_pomdp.files.chain import chained
 from factored_pomdp.files.faults import FaultList, shortened
@@ -15,6 +15,7 @@ from factored_pomdp.files.pomdpx.table import read_table
 from factored_pomdp.files.pomdpx.tree import Element, Lines
 from factored_pomdp.files.pomdpx.variables import Declared, named, whole
 from factored_pomdp.files.tables import as_distribution, as_reward
+from factored_pomdp.files.values import near
 from factored_pomdp.variables import Variable
 
 __all__ = ["Functions", "functions"]
@@ -108,7 +109,7 @@ class _Function:
         part = self.element.first("Var")
         name = whole(part.text) if part is not None else ""
         if name not in rewards:
-            expected = f"the name of a <RewardVar>{did_you_mean(name, rewards)}"
+            expected = f"the name of a <RewardVar>{near(name, rewards)}"
             self.faults.note(self.stamp, "<Var>", shortened(name), expected)
             return ""
         if name in before:

@@ -12,11 +12,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from factored_pomdp.errors import did_you_mean
 from factored_pomdp.files.faults import FaultList, shortened
 from factored_pomdp.files.layers import Layers
 from factored_pomdp.files.pomdpx.tree import Element, Lines
-from factored_pomdp.files.values import all_numbers, lookup
+from factored_pomdp.files.values import all_numbers, lookup, near
 from factored_pomdp.variables import Variable
 
 __all__ = ["read_table"]
@@ -78,7 +77,7 @@ def _coordinates(
     found = []
     for word, known, variable in zip(words, positions, scope, strict=True):
         if word not in known:
-            expected = f"a value of {variable.name}, * or -{did_you_mean(word, variable.values)}"
+            expected = f"a value of {variable.name}, * or -{near(word, variable.values)}"
             faults.note(stamp, "<Instance>", shortened(word), expected)
             return None
         found.append(known[word])

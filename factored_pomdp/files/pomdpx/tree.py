@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 from xml.parsers import expat
 
-from factored_pomdp.errors import did_you_mean
 from factored_pomdp.files.faults import FaultList, FileError, FileFault, shortened
+from factored_pomdp.files.values import near
 
 __all__ = ["DEEPEST", "MOST_ELEMENTS", "Element", "Lines", "parsed"]
 
@@ -170,8 +170,8 @@ class _Builder:
             parent.children.append(element)
             return element
         if not self._faults.full:
-            near = did_you_mean(element.tag, allowed) if allowed else " (no element at all)"
+            others = near(element.tag, allowed) if allowed else " (no element at all)"
             stamp = self._lines.stamp(element.line)
             found = f"<{shortened(element.tag)[1:-1]}>"
-            self._faults.note(stamp, f"in <{parent.tag}>", found, f"an element of the format{near}")
+            self._faults.note(stamp, f"in <{parent.tag}>", found, f"an element of the format{others}")
         return None

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from factored_pomdp.errors import did_you_mean
 from factored_pomdp.files.faults import FaultList, shortened
 from factored_pomdp.files.pomdpx.tree import Element, Lines
-from factored_pomdp.files.values import MOST_VALUES
+from factored_pomdp.files.values import MOST_VALUES, near
 from factored_pomdp.variables import Variable
 
 __all__ = ["LETTERS", "Declared", "declared", "named", "whole"]
@@ -84,7 +83,7 @@ def named(element: Element, known: dict[str, Variable], lines: Lines, faults: Fa
     found = []
     for word in text.split():
         if word not in known:
-            expected = f"a variable that may stand here{did_you_mean(word, known)}"
+            expected = f"a variable that may stand here{near(word, known)}"
             faults.note(lines.stamp(element.line), f"<{element.tag}>", shortened(word), expected)
             return None
         found.append(known[word])

@@ -237,7 +237,8 @@ def test_several_rewards_of_next_states_and_observations(tmp_path: Path) -> None
 
 @pytest.mark.example
 def test_two_observations_and_two_actions(tmp_path: Path) -> None:
-    more = '<ObsVar vname="gps"><NumValues>3</NumValues></ObsVar><ActionVar vname="arm"><NumValues>2</NumValues></ActionVar>'
+    more = '<ObsVar vname="gps"><NumValues>3</NumValues></ObsVar>'
+    more += '<ActionVar vname="arm"><NumValues>2</NumValues></ActionVar>'
     gps = function("CondProb", "gps", "rover_1", entries("ProbTable", "- -|identity"))
     model = read(tmp_path, document(VARIABLES + more, views=(SENSOR, gps)))
     assert model.variable("gps").values == ("o0", "o1", "o2")

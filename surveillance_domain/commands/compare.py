@@ -24,6 +24,7 @@ from surveillance_domain.commands.options import (
     read_controllers,
     read_counts,
     truth_kind,
+    workers_checked,
 )
 
 if TYPE_CHECKING:
@@ -94,9 +95,8 @@ def compared(plan: Plan, runs: int, workers: int, progress: bool | None = None) 
     from surveillance_domain.experiments.jobs import blocks, run_jobs
 
     jobs = [job for case in plan.cases for job in blocks(case, range(runs))]
-    with progress_bar(
-        "comparing", sum(_work(job.case.setup.targets) * len(job.runs) for job in jobs), progress
-    ) as advance:
+    work = sum(_work(job.case.setup.targets) * len(job.runs) for job in jobs)
+    with workers_checked(), progress_bar("comparing", work, progress) as advance:
         return run_jobs(jobs, workers, lambda batch: advance(sum(_work(one.case.setup.targets) for one in batch)))
 
 

@@ -31,6 +31,7 @@ __all__ = [
     "read_controllers",
     "read_counts",
     "truth_kind",
+    "workers_checked",
 ]
 
 
@@ -166,3 +167,14 @@ def input_checked(kinds: Iterable[type[Exception]] = (ValueError,)) -> Iterator[
         raise
     except tuple(kinds) as problem:
         raise InputError(str(problem)) from problem
+
+
+@contextmanager
+def workers_checked() -> Iterator[None]:
+    """A worker process that was killed from outside becomes one message."""
+    from concurrent.futures.process import BrokenProcessPool
+
+    try:
+        yield
+    except BrokenProcessPool:
+        raise InputError("a worker process was killed, probably for want of memory: give fewer --workers") from None

@@ -24,6 +24,7 @@ from surveillance_domain.commands.options import (
     overrides,
     read_controllers,
     truth_kind,
+    workers_checked,
 )
 
 if TYPE_CHECKING:
@@ -95,7 +96,8 @@ def simulated(
                 done[0] = recording.run
                 advance(1)
             jobs = blocks(case, range(len(done), runs), max(1, min(5, runs // (4 * workers))))
-            outcome = run_jobs(jobs, workers, lambda batch: advance(len(batch)))
+            with workers_checked():
+                outcome = run_jobs(jobs, workers, lambda batch: advance(len(batch)))
             done |= outcome.runs.get(case, {})
             interrupted = outcome.interrupted
         except KeyboardInterrupt:

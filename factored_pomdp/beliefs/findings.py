@@ -72,8 +72,9 @@ def findings_of(
         if seen.child.is_next:
             own, shown = [name.removesuffix(".next") for name in own], newly
         values = _positions(seen.child, own, shown)
-        if not (values < 0).all():
-            found.append(Finding(own, shown, seen.context, _columns(members, seen, values, given)))
+        if max(values, default=-1) >= 0:
+            likelihood = _columns(members, seen, np.array(values, dtype=np.int64), given)
+            found.append(Finding(own, shown, seen.context, likelihood))
     for axis, variable in enumerate(plan.variables if hidden else ()):
         own = members.called(variable.name)
         certain = np.concatenate([np.eye(variable.size), np.ones((variable.size, 1))], axis=1)
@@ -82,10 +83,10 @@ def findings_of(
     return found
 
 
-def _positions(child: Variable, own: Iterable[str], shown: Mapping[str, Value]) -> np.ndarray:
+def _positions(child: Variable, own: Iterable[str], shown: Mapping[str, Value]) -> list[int]:
     """For each member the position of the value that its own variable showed; -1 where it was not looked at."""
     values = [shown.get(name) for name in own]
-    return np.array([-1 if value is None else child.index(value) for value in values], dtype=np.int64)
+    return [-1 if value is None else child.index(value) for value in values]
 
 
 def _columns(members: Members, seen: Seen, values: np.ndarray, given: Mapping[str, Value]) -> np.ndarray:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, no_type_check
 import numpy as np
 from numba import njit
 
-from factored_pomdp.beliefs.vectors import LANES, weighted_rows
+from factored_pomdp.beliefs.vectors import Tile, product_rows, product_sums, tiles, weighted_rows
 
 if TYPE_CHECKING:
     from factored_pomdp.beliefs.prediction import Operator
@@ -21,37 +21,77 @@ if TYPE_CHECKING:
 __all__ = ["apply_operator", "noisy_or_columns", "reweigh", "row_sums"]
 
 
-def apply_operator(
-    operator: Operator, table: np.ndarray, table_at: int, result: np.ndarray, result_at: int, columns: int
-) -> None:
-    """``result = operator @ table`` for some columns of both; at most `MOST_COLUMNS` of them.
+def apply_operator(operator: Operator, table: np.ndarray, at: int, result: np.ndarray, to: int, tile: Tile) -> None:
+    """``result = operator @ table`` for the columns of a tile.
 
     Parameters
     ----------
     table, result : (states in, width), (states out, width) float, C-contiguous
-    table_at, result_at : int
+    at, to : int
         The first of the columns, there and here.
     """
-    vectors = -(-columns // LANES) if columns >= LANES else -columns
-    rows = _rows_kernel(vectors)
-    rows(operator.indptr, operator.indices, operator.data, table, table_at, result, result_at, columns)
+    apply = _apply_kernel(tile.shape)
+    apply(operator.indptr, operator.indices, operator.data, table, at, result, to, tile.columns)
 
 
 @cache
-def _rows_kernel(vectors: int) -> Any:
-    """The loop over an operator's rows, compiled for a number of vectors when it is first needed."""
+def _apply_kernel(shape: int) -> Any:
+    """The loop over an operator's rows, compiled for a shape of tile when it is first needed."""
 
     @njit(cache=True, nogil=True)
     @no_type_check
     def apply_rows(
-        indptr: Any, indices: Any, data: Any, table: Any, table_at: int, result: Any, result_at: int, columns: int
+        indptr: Any, indices: Any, data: Any, table: Any, at: int, result: Any, to: int, columns: int
     ) -> None:
-        at = result_at
         for row in range(result.shape[0]):
-            weighted_rows(data, indices, indptr[row], indptr[row + 1], table, table_at, result, at, columns, vectors)
-            at += result.shape[1]
+            here = row * result.shape[1] + to
+            weighted_rows(data, indices, indptr[row], indptr[row + 1], table, at, result, here, columns, shape)
 
     return apply_rows
+
+
+def reweigh(predicted: np.ndarray, context: np.ndarray, likelihood: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """``predicted · likelihood[context]`` normalised member by member, and the normalising constants.
+
+    Columns whose sum is zero are left at zero.
+
+    Parameters
+    ----------
+    predicted : (states, members) float
+    context : (states,) int
+    likelihood : (rows, members) float
+    """
+    arrays = [np.ascontiguousarray(array) for array in (predicted, context, likelihood)]
+    result, sums, scaled = np.empty(predicted.shape), np.empty(predicted.shape[1]), np.empty(likelihood.shape)
+    for tile in tiles(predicted.shape[1]):
+        _reweigh_kernel(tile.shape)(*arrays, scaled, result, sums, tile.first, tile.columns)
+    return result, sums
+
+
+@cache
+def _reweigh_kernel(shape: int) -> Any:
+    """Compiled for a shape of tile when it is first needed."""
+
+    @njit(cache=True, nogil=True)
+    @no_type_check
+    def reweigh_columns(
+        predicted: Any,
+        context: Any,
+        likelihood: Any,
+        scaled: Any,
+        result: Any,
+        sums: Any,
+        first: int,
+        columns: int,
+    ) -> None:
+        product_sums(predicted, context, likelihood, sums, first, columns, shape)
+        for member in range(first, first + columns):
+            scale = 1.0 / sums[member] if sums[member] > 0.0 else 0.0
+            for row in range(likelihood.shape[0]):
+                scaled[row, member] = likelihood[row, member] * scale
+        product_rows(predicted, context, scaled, result, first, columns, shape)
+
+    return reweigh_columns
 
 
 @njit(cache=True, nogil=True)
@@ -78,37 +118,16 @@ def row_sums(table: Any) -> Any:
 
 @njit(cache=True, nogil=True)
 @no_type_check
-def reweigh(predicted: Any, context: Any, likelihood: Any, result: Any, sums: Any) -> None:
-    """``result ∝ predicted · likelihood[context]`` member by member; ``sums`` receives the normalising constants.
-
-    Columns whose sum is zero are left at zero.
-    """
-    states, members = predicted.shape
-    for member in range(members):
-        sums[member] = 0.0
-    for state in range(states):
-        before, weight, after = predicted[state], likelihood[context[state]], result[state]
-        for member in range(members):
-            mass = before[member] * weight[member]
-            after[member] = mass
-            sums[member] += mass
-    scale = sums.copy()
-    for member in range(members):
-        scale[member] = 1.0 / sums[member] if sums[member] > 0.0 else 0.0
-    for state in range(states):
-        after = result[state]
-        for member in range(members):
-            after[member] *= scale[member]
-
-
-@njit(cache=True, nogil=True)
-@no_type_check
-def noisy_or_columns(activation: Any, emission_of: Any, indptr: Any, rows: Any, data: Any, off: int, seen: Any) -> Any:
+def noisy_or_columns(
+    activation: Any, chosen: Any, emission_of: Any, indptr: Any, rows: Any, data: Any, off: int, seen: Any
+) -> Any:
     """P(seen value | context) for each member, from a noisy-or whose causes are all fixed.
 
     Parameters
     ----------
-    activation : (causes, contexts) float
+    activation : (causes' values, contexts) float
+    chosen : (causes,) int
+        Row of each cause's value; negative: that cause is absent.
     emission_of : (causes,) int
         Which emission table each cause uses.
     indptr : (tables, child values + 1) int
@@ -118,15 +137,16 @@ def noisy_or_columns(activation: Any, emission_of: Any, indptr: Any, rows: Any, 
     seen : (members,) int
         The child's value for each member; negative: not looked at (likelihood one).
     """
-    causes, contexts = activation.shape
+    causes, contexts = len(chosen), activation.shape[1]
     acting = np.empty((causes, contexts))
     silent = np.empty((contexts,))
     for row in range(contexts):
         silent[row] = 1.0
     for cause in range(causes):
         for row in range(contexts):
-            acting[cause, row] = silent[row] * activation[cause, row]
-            silent[row] *= 1.0 - activation[cause, row]
+            active = activation[chosen[cause], row] if chosen[cause] >= 0 else 0.0
+            acting[cause, row] = silent[row] * active
+            silent[row] *= 1.0 - active
     members = len(seen)
     likelihood = np.empty((contexts, members))
     for row in range(contexts):

@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from factored_pomdp.factors import Factor, NoisyOr
+from factored_pomdp.factors import Cause, Factor, NoisyOr
 from factored_pomdp.variables import Value, Variable, count
 
 __all__ = ["Likelihood", "likelihood_of"]
@@ -59,22 +59,28 @@ class _NoisyOr:
         self._data = np.concatenate([table.data for table in columns] or [np.zeros(0)]).astype(float)
         position = {id(table): number for number, table in enumerate(tables)}
         self._emission_of = np.array([position[id(cause.emission)] for cause in factor.causes], np.int64)
-        self._contexts = count(factor.context)
+        self._activation = np.concatenate(
+            [np.zeros((0, count(factor.context))), *(c.activation for c in factor.causes)]
+        )
+        self._first = np.cumsum([0, *(len(cause.activation) for cause in factor.causes)])[:-1].tolist()
 
     def columns(self, seen: np.ndarray, assignment: Mapping[str, Value]) -> np.ndarray:
         from factored_pomdp.beliefs.kernels import noisy_or_columns
 
-        activation = np.zeros((len(self._factor.causes), self._contexts))
-        for row, cause in enumerate(self._factor.causes):
-            if cause.variable is None:
-                activation[row] = cause.activation[0]
-            elif (value := assignment[cause.variable.name]) is not None:
-                activation[row] = cause.activation[cause.variable.index(value)]
+        causes = zip(self._first, self._factor.causes, strict=True)
+        chosen = [first + _position(cause, assignment, absent=-1 - first) for first, cause in causes]
+        emissions = (self._emission_of, self._indptr, self._rows, self._data)
         return np.asarray(
-            noisy_or_columns(
-                activation, self._emission_of, self._indptr, self._rows, self._data, self._factor.off_index, seen
-            )
+            noisy_or_columns(self._activation, np.array(chosen), *emissions, self._factor.off_index, seen)
         )
+
+
+def _position(cause: Cause, assignment: Mapping[str, Value], absent: int) -> int:
+    """Of a cause's value; of one that has no variable the first."""
+    if cause.variable is None:
+        return 0
+    value = assignment[cause.variable.name]
+    return absent if value is None else cause.variable.index(value)
 
 
 def likelihood_of(factor: Factor, child: Variable, hidden: tuple[Variable, ...]) -> Likelihood:

@@ -63,21 +63,20 @@ def apply_in_turn(operators: Sequence[Operator], array: np.ndarray) -> np.ndarra
     What lies between two operators then stays in the cache, however many members there are.
     """
     from factored_pomdp.beliefs.kernels import apply_operator
-    from factored_pomdp.beliefs.vectors import MOST_COLUMNS
+    from factored_pomdp.beliefs.vectors import tiles
 
     if not operators:
         return array
-    source, members = np.ascontiguousarray(array), array.shape[1]
-    width = -(-members // max(1, -(-members // MOST_COLUMNS)))
-    between = [np.empty((operator.states, width)) for operator in operators[:-1]]
-    result = np.empty((operators[-1].states, members))
-    for first in range(0, members, max(1, width)):
-        columns = min(width, members - first)
-        before, at = source, first
+    source, some = np.ascontiguousarray(array), tiles(array.shape[1])
+    widest = max((tile.columns for tile in some), default=0)
+    between = [np.empty((operator.states, widest)) for operator in operators[:-1]]
+    result = np.empty((operators[-1].states, array.shape[1]))
+    for tile in some:
+        before, at = source, tile.first
         for operator, table in zip(operators, between, strict=False):
-            apply_operator(operator, before, at, table, 0, columns)
+            apply_operator(operator, before, at, table, 0, tile)
             before, at = table, 0
-        apply_operator(operators[-1], before, at, result, first, columns)
+        apply_operator(operators[-1], before, at, result, tile.first, tile)
     return result
 
 

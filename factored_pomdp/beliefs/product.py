@@ -170,7 +170,7 @@ class ProductBelief:
         newly = {name: value for name, value in actual.items() if self.known.get(name) is None}
         told = (observation, actual)
         for number, (members, array) in enumerate(zip(self.roster.stacks, self.arrays, strict=True)):
-            early = findings_of(members, {}, newly, {}, given, early=True)
+            early = findings_of(members, {}, newly, {}, given, early=True) if newly else []
             if early:
                 prior = self._earlier()
                 weighed = self._conditioned(members, prior.arrays[number], early, told, restart, reasons)
@@ -203,9 +203,8 @@ class ProductBelief:
 
         plan, predicted = members.plan, array
         for finding in findings:
-            result, sums = np.empty_like(array), np.empty(len(members))
-            reweigh(array, finding.context, finding.likelihood, result, sums)
-            for column in () if (sums > 0).all() else np.flatnonzero(~(sums > 0)):
+            result, sums = reweigh(array, finding.context, finding.likelihood)
+            for column in () if sums.min(initial=1.0) > 0 else np.flatnonzero(~(sums > 0)):
                 block = tuple(members.names[column][variable.name] for variable in plan.variables)
                 if restart is None:
                     raise ImpossibleObservation(block, dict(self.action or {}), finding.of(int(column)))

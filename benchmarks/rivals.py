@@ -28,11 +28,11 @@ _LABELS = {
 }
 
 
-def rivals(quick: bool, seed: int, counts: tuple[int, ...] = COUNTS) -> Report:
+def rivals(quick: bool, seed: int, counts: tuple[int, ...] = COUNTS, site: str = "hall") -> Report:
     """Ours against scipy, Theorem 1's algorithm and the memory floor; all of them are checked to agree first."""
     rows, figures, aims = [], {}, []
     for targets in counts:
-        hall = Hall.of(targets, np.random.default_rng(seed))
+        hall = Hall.of(targets, np.random.default_rng(seed), site)
         flat, theorem = Flat.of(hall), TheoremOne.of(hall)
         _refuse_difference(hall, flat, theorem)
         short = {
@@ -62,7 +62,7 @@ def rivals(quick: bool, seed: int, counts: tuple[int, ...] = COUNTS) -> Report:
         aims += _aims(targets, timed, slow)
     notes = ["ratios are medians over turns of the two times in the same turn"]
     return Report(
-        "The hall: ours and others", ["targets", "what", "median", "÷ our decision"], rows, figures, aims, notes
+        f"{site}: ours and others", ["targets", "what", "median", "÷ our decision"], rows, figures, aims, notes
     )
 
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from benchmarks.report import Report
 
-__all__ = ["BENCHMARKS", "main"]
+__all__ = ["BENCHMARKS", "main", "show"]
 
 BENCHMARKS = ("growth", "rivals", "exponential", "elimination", "large_map")
 _CAVEAT = "numpy's own speed depends on its BLAS kernel: set OPENBLAS_CORETYPE to compare with another one"
@@ -41,7 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         benchmark: Callable[[bool, int], Report] = getattr(import_module(f"benchmarks.{name}"), name)
         reports[name] = benchmark(chosen.quick, chosen.seed)
         if not chosen.json:
-            _show(reports[name])
+            show(reports[name])
     aims = [{**asdict(aim), "met": aim.met} for report in reports.values() for aim in report.aims]
     if chosen.json:
         typed = list(arguments) if arguments is not None else sys.argv[1:]
@@ -54,7 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0 if all(aim["met"] for aim in aims) else 1
 
 
-def _show(report: Report) -> None:
+def show(report: Report) -> None:
+    """Print a benchmark's table, notes and aims."""
     from rich.console import Console
     from rich.table import Table
 

@@ -37,7 +37,12 @@ def test_ctrl_c_leaves_a_valid_partial_result(tmp_path: Path, workers: int) -> N
     words = ("compare", "micro", "--targets", "1", "--controllers", "sys,pomdp", "--steps", "20", "--runs", "100000")
     more = ("--workers", str(workers), "--out", str(tmp_path), "--json", "--progress")
     process = subprocess.Popen(
-        [*COMMAND, *words, *more], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        [*COMMAND, *words, *more],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=_hears_interrupts,
     )
     assert process.stderr is not None
     first = process.stderr.readline()
@@ -53,6 +58,11 @@ def test_ctrl_c_leaves_a_valid_partial_result(tmp_path: Path, workers: int) -> N
     assert json.loads((tmp_path / "result.json").read_text()) == found
     assert not [path.name for path in tmp_path.iterdir() if path.name.startswith(".")]
     assert _all_gone(process.pid)
+
+
+def _hears_interrupts() -> None:
+    """What a shell starts in the background ignores interrupts, and hands that on."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _all_gone(group: int, patience_s: float = 30.0) -> bool:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 def draw_figures(results: Results, folder: Path) -> None:
     """``comparison-<truth>`` and ``kappa`` as PNG and SVG, ``means.csv`` and ``differences.csv``."""
-    for truth in dict.fromkeys(panel[0] for panel in results.panels):
+    for truth in results.truths:
         sites = dict.fromkeys(site for kind, site, _ in results.panels if kind == truth)
         panels = [_panel(results, truth, site, CONTROLLERS) for site in sites]
         note = (

@@ -11,6 +11,8 @@ from surveillance_domain.experiments.estimates import Estimate, estimate
 
 RUNS = "runs.csv"
 Case = tuple[str, str, str, int, str, str]
+Panel = tuple[str, str, int]
+"""Truth, site, number of targets."""
 
 
 class Key(NamedTuple):
@@ -67,9 +69,14 @@ class Results:
         return estimate(ours[run] - theirs[run] for run in sorted(ours.keys() & theirs.keys()))
 
     @property
-    def panels(self) -> list[tuple[str, str, int]]:
+    def panels(self) -> list[Panel]:
         """Truth, site and number of targets of every comparison, in order."""
         return list(dict.fromkeys((t, s, m) for what, t, s, m, c, kappa in self.percent if what == "percent-obs"))
+
+    @property
+    def truths(self) -> list[str]:
+        """Kinds of truth, in order."""
+        return list(dict.fromkeys(truth for truth, _, _ in self.panels))
 
     @property
     def kappas(self) -> list[str]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
 
 import numpy as np
-from results_table import Results
+from results_table import Panel, Results
 
 from surveillance_domain.control.factory import CONTROLLERS
 from surveillance_domain.experiments.estimates import Estimate
@@ -40,6 +41,11 @@ _STARTED_ANEW = """How often a sighting was impossible for P's belief, per 1000 
 happen; under continuous truth it measures the misfit of the grid."""
 
 
+def fill(text: str) -> str:
+    """A paragraph in lines of equal length."""
+    return textwrap.fill(" ".join(text.split()), 118, break_long_words=False, break_on_hyphens=False)
+
+
 def page(results: Results, command: str) -> str:
     """The whole page."""
     parts = [
@@ -58,20 +64,16 @@ def page(results: Results, command: str) -> str:
 
 def _opening(results: Results, command: str) -> str:
     counts = _words(str(m) for m in dict.fromkeys(panel[2] for panel in results.panels))
-    return f"""# Results
-
-Made by `make results` (`{command}`): {results.runs} runs of {results.steps} steps for each controller, site, number of
-targets ({counts}) and kind of truth, seed {results.seed}; run r is the same world for every controller. PercentObs is
+    text = f"""Made by `make results` (`{command}`): {results.runs} runs of {results.steps} steps for each
+controller, site, number of targets ({counts}) and kind of truth, seed {results.seed}; run r is the same world for every controller. PercentObs is
 the paper's measure (sec. expdis). Intervals are Student's 95 % intervals over runs; those of differences are paired,
 run by run. Camera poses, σ₀ and κ stand in the built-in site files, fixed and justified there before any controller
 was run. Under *grid* truth targets move by the model's own chain; under *continuous* truth they move in metres, as in
 the paper's simulator, and the belief stays on the grid. The paper's own curves are not printed as numbers, so nothing
 here is set beside them. Every run stands in [runs.csv](figures/runs.csv); means in [means.csv](figures/means.csv),
-paired differences in [differences.csv](figures/differences.csv).
-
-![PercentObs, grid truth](figures/comparison-grid.png)
-
-![PercentObs, continuous truth](figures/comparison-continuous.png)"""
+paired differences in [differences.csv](figures/differences.csv)."""
+    pictures = [f"![PercentObs, {truth} truth](figures/comparison-{truth}.png)" for truth in results.truths]
+    return "\n\n".join(["# Results", fill(text), *pictures])
 
 
 def _ranking(results: Results) -> str:
@@ -90,17 +92,16 @@ def _ranking(results: Results) -> str:
     return "\n".join(lines)
 
 
-def _claim(name: str, leads: dict[tuple[str, str, int], Estimate]) -> str:
-    by = {v: [panel for panel, lead in leads.items() if lead.verdict == v] for v in (1, 0, -1)}
+def _claim(name: str, leads: dict[Panel, Estimate]) -> str:
+    """In how many panels the claim holds, and at which sites it does not."""
     margins = [lead.mean for lead in leads.values()]
-    said = f"P above {name}: holds in {len(by[1])} of {len(leads)} panels"
-    said += f" (P − {name} from {min(margins):+.1f} to {max(margins):+.1f} points)"
-    for value, word in ((-1, "fails"), (0, "undecided")):
-        if by[value]:
-            said += f"; {word} at " + "; ".join(
-                f"{s}, m = {m}, {t} ({leads[t, s, m].mean:+.1f})" for t, s, m in by[value]
-            )
-    return said + "."
+    said = f"P above {name}: holds in {sum(lead.verdict > 0 for lead in leads.values())} of {len(leads)} panels"
+    for verdict, word in ((-1, "fails in"), (0, "is undecided in")):
+        sites = [site for (_, site, _), lead in leads.items() if lead.verdict == verdict]
+        if sites:
+            counted = ", ".join(f"{site} {sites.count(site)}" for site in dict.fromkeys(sites))
+            said += f", {word} {len(sites)} ({counted})"
+    return f"{said}; P − {name} is {min(margins):+.1f} to {max(margins):+.1f} points."
 
 
 def _why_msp(results: Results) -> str:
@@ -144,17 +145,26 @@ def _because(results: Results, ours: float, theirs: float) -> str:
     names = ("full-information", "msp", "mp")
     gain = {name: [-results.lead(*panel, name).mean for panel in results.panels] for name in names}
     span = {name: f"{min(of):+.1f} to {max(of):+.1f}" for name, of in gain.items()}
-    limit = f"""Full information is worth {span["full-information"]} points over P, the mean over panels being
-{np.mean(gain["full-information"]):+.1f}; MSP, {span["msp"]} (mean {np.mean(gain["msp"]):+.1f}); MP, {span["mp"]}."""
+    worth = {name: f"{span[name]} points (mean {np.mean(gain[name]):+.1f})" for name in names}
     if theirs <= ours:
-        return f"""P knows {ours:.0f} % on average, MSP {theirs:.0f} %: the noise of the static cameras costs MSP more
-than what they see brings in. {limit}"""
-    return f"""P knows {ours:.0f} % on average, MSP {theirs:.0f} %: MSP knows more than P. Its static cameras see almost
-all of the floor at every step, mostly with an error of less than a cell, so that MSP decides on nearly full
-information, while P has to infer from its PTZ cameras alone where the others went. {limit} So P comes close to what
-any such controller can reach, without the static cameras, but not past one that has them and sees well. The paper's
-ranking of P above MSP is a statement about the noise of its static cameras, which it does not print; the next section
-shows where the ranking turns."""
+        return fill(
+            f"""P knows {ours:.0f} % on average, MSP {theirs:.0f} %: the noise of the static cameras costs MSP more than
+            what they see brings in. Against P, full information is worth {worth["full-information"]}, MSP
+            {worth["msp"]}, MP {worth["mp"]}."""
+        )
+    return "\n\n".join(
+        fill(text)
+        for text in (
+            f"""P knows {ours:.0f} % on average, MSP {theirs:.0f} %. MSP's wide-view cameras report every target that
+            they see at every step, mostly with an error of less than a cell, so that MSP decides on nearly full
+            information; P has only its PTZ cameras and infers where the others went.""",
+            f"""Nearly full information is not worth much here: full information itself gains
+            {worth["full-information"]} over P. MSP gains {worth["msp"]}, MP {worth["mp"]}. So P comes close, without
+            static cameras, to what a controller of this kind can reach, but it does not pass one that has static
+            cameras which see well. The paper's ranking of P above MSP rests on the noise of its static cameras, which
+            it does not print; the next section shows where the ranking turns.""",
+        )
+    )
 
 
 def _kappa(results: Results) -> str:
@@ -247,8 +257,9 @@ def _variants(results: Results) -> str:
     worst, best = min(kept), max(kept)
     ahead = [results.lead(*panel, name) for panel in results.panels for name in OUT_OF_SIGHT]
     sure = sum(lead.verdict > 0 for lead in ahead)
-    lines.append(f"""P minus the variant. Keeping targets in mind changes MP by {worst:+.1f} to {best:+.1f} points;
-P is surely above the variant in {sure} of {len(ahead)} cases.""")
+    said = f"""P minus the variant. Keeping targets in mind changes MP by {worst:+.1f} to {best:+.1f} points; the
+    interval of P minus the variant lies above zero in {sure} of {len(ahead)} cases."""
+    lines.append(fill(said))
     lines.append("")
 
     def cell(truth: str, site: str, count: int, name: str) -> str:
@@ -260,7 +271,7 @@ P is surely above the variant in {sure} of {len(ahead)} cases.""")
 def _restarts(results: Results) -> str:
     lines = ["## Beliefs that had to be started anew", ""]
     lines.append(_STARTED_ANEW)
-    truths = list(dict.fromkeys(panel[0] for panel in results.panels))
+    truths = results.truths
     lines += ["", "| site | m | " + " | ".join(truths) + " |", "|---|---:|" + "---:|" * len(truths)]
     for site, count in dict.fromkeys(panel[1:] for panel in results.panels):
         rates = [f"{results.restarts_per_thousand(truth, site, count):.2f}" for truth in truths]

@@ -18,9 +18,12 @@ TOLERANCE = 1e-5
 
 _EXACT = 1e-9
 
+_ROUNDING = 1e-13
+"""What adding up may lose: nearer to one, a column stays as it was given (so that it stays the same however often)."""
+
 
 def checked_distribution(factor: Factor, child: Variable, where: str, faults: list[Fault], notes: list[str]) -> Factor:
-    """The factor, columns normalised exactly; faults and notes are added to the lists."""
+    """The factor, columns normalised (within rounding); faults and notes are added to the lists."""
     if isinstance(factor, DeterministicFactor) and factor.child == child:
         _check_indexes(factor, where, faults)
         return factor
@@ -51,6 +54,7 @@ def checked_distribution(factor: Factor, child: Variable, where: str, faults: li
             f"{where}: {off} of {len(sums)} distributions renormalised (worst sum {sums[np.abs(sums - 1).argmax()]:.9g}"
             f"{_at(parents, worst)})"
         )
+    sums[np.abs(sums - 1) <= _ROUNDING] = 1.0
     return _normalised(table, parents, sums) if (sums != 1).any() else table
 
 
@@ -97,7 +101,8 @@ def _normalised(table: SparseFactor | DenseFactor, parents: tuple[Variable, ...]
     if isinstance(table, SparseFactor):
         return SparseFactor(table.scope, table.coordinates, table.numbers / sums[table.flat(parents)])
     axis = next(axis for axis, variable in enumerate(table.scope) if variable not in parents)
-    return DenseFactor(table.scope, table.array / table.array.sum(axis=axis, keepdims=True))
+    shape = [variable.size for variable in table.scope if variable in parents]
+    return DenseFactor(table.scope, table.array / np.expand_dims(sums.reshape(shape), axis))
 
 
 def _misplaced(table: SparseFactor, where: str, faults: list[Fault]) -> bool:

@@ -49,7 +49,7 @@ def save(model: FactoredPOMDP, path: str | PathLike[str]) -> None:
     model : FactoredPOMDP
     path : path-like
         ``.pomdpx`` keeps the variables and factors; for ``.pomdp`` they are flattened (see
-        `factored_pomdp.files.flatten.flattened`).
+        `factored_pomdp.files.flatten.flattened`). Names that are no words become words; groups are not written.
 
     Raises
     ------

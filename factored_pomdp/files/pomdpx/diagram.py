@@ -47,8 +47,11 @@ def read_diagram(
         faults.note(lines.stamp(parameter.line), "<Parameter type='DD'>", f"{len(roots)} <DAG>", "one")
         return
     templates = {whole(found.attributes.get("id", "")): found for found in parameter.all("SubDAGTemplate")}
-    walk = _Walk(layers, names, scope, children, templates, lines, faults)
-    walk.inside(roots[0], [-1] * len(scope), 0)
+    _Walk(layers, names, scope, children, templates, lines, faults).from_(roots[0])
+
+
+_Place = tuple[Element, list[int], int]
+"""An element that holds others, positions of the variables fixed on the way to it (-1: not fixed), the way's length."""
 
 
 class _Walk:
@@ -69,50 +72,56 @@ class _Walk:
         self._steps = 0
         self._told: set[tuple[int, str]] = set()
 
-    def inside(self, element: Element, coordinates: list[int], depth: int) -> None:
-        """Walk what a DAG, a template or an edge holds."""
-        self._steps += 1
-        if self.faults.full or self._steps > MOST_STEPS:
+    def from_(self, root: Element) -> None:
+        """Walk all paths that begin at an element."""
+        waiting: list[_Place] = [(root, [-1] * len(self.scope), 0)]
+        while waiting and not self.faults.full:
+            element, coordinates, length = waiting.pop()
+            self._steps += 1
             if self._steps > MOST_STEPS:
                 self._note(element, f"more than {MOST_STEPS:,} steps on all paths", "a smaller diagram")
-            return
-        if depth > DEEPEST:
-            self._note(element, f"paths longer than {DEEPEST}, or a template that holds itself", "shorter paths")
-            return
+                return
+            if length > DEEPEST:
+                self._note(element, f"paths longer than {DEEPEST}, or a template that holds itself", "shorter paths")
+                continue
+            waiting += reversed(self._inside(element, coordinates, length))
+
+    def _inside(self, element: Element, coordinates: list[int], length: int) -> list[_Place]:
+        """Lay down the end that a DAG, a template or an edge holds, or tell where the paths go on."""
         if len(element.children) != 1:
             self._note(element, f"{len(element.children)} elements", "one <Node>, <SubDAG> or <Terminal>")
-            return
+            return []
         (only,) = element.children
-        if only.tag == "Terminal":
+        if only.tag == "Node":
+            return self._node(only, coordinates, length)
+        if only.tag == "SubDAG" and only.attributes.get("type", "").strip() == "template":
+            wanted = whole(only.attributes.get("idref", ""))
+            if wanted in self.templates:
+                return [(self.templates[wanted], coordinates, length + 1)]
+            self._note(only, f"idref={shortened(wanted)}", f"a template's id{near(wanted, self.templates)}")
+        elif only.tag == "SubDAG":
+            self._distribution(only, coordinates)
+        else:
             numbers = all_numbers(only.text.split())
             if numbers is None or len(numbers) != 1:
                 self._note(only, shortened(only.text.strip()), "a finite number")
             else:
                 self._scalar(coordinates, float(numbers[0]), only)
-        elif only.tag == "Node":
-            self._node(only, coordinates, depth)
-        else:
-            self._end(only, coordinates, depth)
+        return []
 
-    def _node(self, node: Element, coordinates: list[int], depth: int) -> None:
+    def _node(self, node: Element, coordinates: list[int], length: int) -> list[_Place]:
         axis = self._axis(node, coordinates)
         if axis is None:
-            return
+            return []
+        ways: list[_Place] = []
         for edge in node.children:
             position = self._position(edge, axis)
             if position is not None:
-                self.inside(edge, [*coordinates[:axis], position, *coordinates[axis + 1 :]], depth + 1)
+                ways.append((edge, [*coordinates[:axis], position, *coordinates[axis + 1 :]], length + 1))
+        return ways
 
-    def _end(self, end: Element, coordinates: list[int], depth: int) -> None:
+    def _distribution(self, end: Element, coordinates: list[int]) -> None:
         kind = end.attributes.get("type", "").strip()
-        if kind == "template":
-            template = self.templates.get(whole(end.attributes.get("idref", "")))
-            if template is None:
-                wanted = end.attributes.get("idref", "")
-                self._note(end, f"idref={shortened(wanted)}", f"a template's id{near(wanted, self.templates)}")
-            else:
-                self.inside(template, coordinates, depth + 1)
-            return
         if kind not in ("uniform", "deterministic", "persistent"):
             self._note(end, f"type={shortened(kind)}", "uniform, deterministic, persistent or template")
             return

@@ -49,7 +49,7 @@ def same(one: fp.FactoredPOMDP, other: fp.FactoredPOMDP) -> None:
 
 
 @pytest.mark.property
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(random_models())
 def test_pomdpx_keeps_every_factor(folder: Path, model: fp.FactoredPOMDP) -> None:
     written = without_legal(model)
@@ -59,7 +59,7 @@ def test_pomdpx_keeps_every_factor(folder: Path, model: fp.FactoredPOMDP) -> Non
 
 
 @pytest.mark.property
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(random_models(most_states=3))
 def test_pomdp_is_the_joint_model(folder: Path, model: fp.FactoredPOMDP) -> None:
     written = without_legal(model)
@@ -77,7 +77,7 @@ def test_pomdp_is_the_joint_model(folder: Path, model: fp.FactoredPOMDP) -> None
 
 
 @pytest.mark.property
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(random_models(most_states=2))
 def test_flat_models_go_through_either_format(folder: Path, model: fp.FactoredPOMDP) -> None:
     flat = again(without_legal(model), folder / "first.pomdp")

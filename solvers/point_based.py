@@ -79,7 +79,8 @@ class PointBased:
         return clock.solution(_policy(self.flat, search, informed), stopped)
 
     def _searched(self, search: Search, root: int, clock: Clock) -> tuple[Search, str]:
-        from solvers.point_based_kernels import insert_all, run_trials
+        from solvers.belief_nodes import insert_all
+        from solvers.point_based_kernels import run_trials
 
         limits, needed = clock.limits, np.zeros(9, np.int64)
         work, done = _WORK_OF_A_SLICE // 10, 1
@@ -110,7 +111,8 @@ def _progress(search: Search, root: int, seconds: float) -> Progress:
 
 
 def _started(flat: FlatModel, informed: np.ndarray) -> tuple[Search, int]:
-    from solvers.point_based_kernels import add_root, add_vector
+    from solvers.belief_nodes import add_root
+    from solvers.point_based_kernels import add_vector
 
     search, blind = new_search(flat, informed), blind_stages(flat, None)[0]
     support = np.flatnonzero(flat.initial)

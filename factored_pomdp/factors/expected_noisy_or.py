@@ -178,7 +178,7 @@ class ExpectedNoisyOr(Factor):
 
     @cached_property
     def _shared(self) -> Variable | None:
-        """A variable that stands behind several causes (two cameras that one action moves)."""
+        """A variable that stands behind several causes (two sensors that one action moves)."""
         times = Counter(cause.variable for cause in self.causes if cause.variable is not None)
         return next((variable for variable in times if times[variable] > 1), None)
 

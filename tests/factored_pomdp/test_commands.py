@@ -132,7 +132,7 @@ def test_a_table_as_json(run: Run) -> None:
 
 
 def test_a_large_table_is_cut_with_a_note(run: Run) -> None:
-    code, out, _ = run("info", "surveillance", "-o", "site=micro", "--table", "target1.location.next")
+    code, out, _ = run("info", "surveillance", "-o", "site=tiny", "--table", "target1.location.next")
     assert code == 0
     assert re.search(r"… and [\d,]+ more entries \(with --json, all of them\)", out)
 

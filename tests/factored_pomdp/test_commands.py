@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -131,10 +130,16 @@ def test_a_table_as_json(run: Run) -> None:
     assert len(found["entries"]) == 6
 
 
-def test_a_large_table_is_cut_with_a_note(run: Run) -> None:
-    code, out, _ = run("info", "surveillance", "-o", "site=tiny", "--table", "target1.location.next")
+def test_a_large_table_is_cut_with_a_note(run: Run, weather: Path) -> None:
+    days = 'fp.Variable("weather", range(250))'
+    source = WEATHER.replace('fp.Variable("weather", ["sun", "rain"])', days)
+    source = source.replace('{weather: 1 - rainy, "rain" if weather == "sun" else "sun": rainy}', "weather")
+    weather.write_text(source.replace('{"sun": 0.5, "rain": 0.5}', "{0: 1.0}"), encoding="utf-8")
+    code, out, _ = run("info", str(weather), "--table", "weather.next")
     assert code == 0
-    assert re.search(r"… and [\d,]+ more entries \(with --json, all of them\)", out)
+    assert ["199", "199", "1"] in [line.split() for line in out.splitlines()]
+    assert "… and 50 more entries (with --json, all of them)" in out
+    assert len(asked(run, "info", str(weather), "--table", "weather.next")["table"]["entries"]) == 250
 
 
 def test_notes_of_a_mended_model_are_shown(run: Run, weather: Path) -> None:

@@ -64,14 +64,14 @@ def page(results: Results, command: str) -> str:
 
 def _opening(results: Results, command: str) -> str:
     counts = _words(str(m) for m in dict.fromkeys(panel[2] for panel in results.panels))
-    text = f"""Made by `make results` (`{command}`): {results.runs} runs of {results.steps} steps for each
-controller, site, number of targets ({counts}) and kind of truth, seed {results.seed}; run r is the same world for
-every controller. PercentObs is the paper's measure (sec. expdis). Intervals are Student's 95 % intervals over runs;
-those of differences are paired, run by run. Camera poses, σ₀ and κ stand in the built-in site files,
-fixed and justified there before any controller was run. Under *grid* truth targets move by the model's own chain; under *continuous* truth they move in metres, as in
-the paper's simulator, and the belief stays on the grid. The paper's own curves are not printed as numbers, so nothing
-here is set beside them. Every run stands in [runs.csv](figures/runs.csv); means in [means.csv](figures/means.csv),
-paired differences in [differences.csv](figures/differences.csv)."""
+    text = f"""Made by `make results` (`{command}`): {results.runs} runs of {results.steps} steps for each controller,
+site, number of targets ({counts}) and kind of truth, seed {results.seed}; run r is the same world for every
+controller. PercentObs is the paper's measure (sec. expdis). Intervals are Student's 95 % intervals over runs; those
+of differences are paired, run by run. Camera poses, σ₀ and κ stand in the built-in site files, fixed and justified
+there before any controller was run. Under *grid* truth targets move by the model's own chain; under *continuous*
+truth they move in metres, as in the paper's simulator, and the belief stays on the grid. The paper's own curves are
+not printed as numbers, so nothing here is set beside them. Every run stands in [runs.csv](figures/runs.csv); means
+in [means.csv](figures/means.csv), paired differences in [differences.csv](figures/differences.csv)."""
     pictures = [f"![PercentObs, {truth} truth](figures/comparison-{truth}.png)" for truth in results.truths]
     return "\n\n".join(["# Results", fill(text), *pictures])
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,19 +18,25 @@ __all__ = ["Flat"]
 
 @dataclass(frozen=True, eq=False)
 class Flat:
-    """Beliefs as rows, one matrix P(t' | t), one likelihood vector a target.
+    """Beliefs as rows, and one matrix P(t' | t) for all targets.
 
     Attributes
     ----------
     matrix : (next states, states) scipy CSR
     beliefs : (targets, states) float
-    likelihoods : (targets, states) float
-        Of each target's sighting under the presets of the setting.
+    seen : (cells,) float
+        Probability of being seen at each cell under the presets of the setting.
+    number : dict
+        Number of each cell.
+    sightings : list
+        What each target showed.
     """
 
     matrix: Any
     beliefs: np.ndarray
-    likelihoods: np.ndarray
+    seen: np.ndarray
+    number: Mapping[Any, int]
+    sightings: list[Any]
 
     @classmethod
     def of(cls, hall: Hall) -> Flat:
@@ -44,20 +51,11 @@ class Flat:
             product = product.product(model.transition[variable.name])
         entries = product.sparse()
         size = count(before)
-        shape = (entries.numbers, (entries.flat(after), entries.flat(before)))
-        matrix = sparse.csr_array(shape, shape=(size, size))
+        matrix = sparse.csr_array((entries.numbers, (entries.flat(after), entries.flat(before))), shape=(size, size))
         seen = hall.surveillance.views.seen(hall.presets())
-        each = size // len(seen)
-        grid = hall.surveillance.site.grid
-        rows = []
-        for target in hall.surveillance.targets:
-            shown = hall.sighting[f"{target}.sighting"]
-            at_cell = 1 - seen
-            if shown != UNSEEN:
-                at_cell = np.zeros(len(seen))
-                at_cell[grid.number[shown[1], shown[0]]] = 1.0
-            rows.append(np.repeat(at_cell, each))
-        return cls(matrix, np.ascontiguousarray(hall.belief.arrays[0].T), np.array(rows))
+        number = {value: position for position, value in enumerate(before[0].values)}
+        sightings = [hall.sighting[f"{target}.sighting"] for target in hall.surveillance.targets]
+        return cls(matrix, np.ascontiguousarray(hall.belief.arrays[0].T), seen, number, sightings)
 
     def predicted_in_turn(self) -> list[np.ndarray]:
         """Target by target."""
@@ -65,17 +63,34 @@ class Flat:
 
     def predicted_at_once(self) -> np.ndarray:
         """All targets in one product, (states, targets)."""
-        return self.matrix @ self.beliefs.T
+        return np.asarray(self.matrix @ self.beliefs.T)
 
     def updated_in_turn(self) -> list[np.ndarray]:
         """Prediction and conditioning, target by target."""
+        silent = np.repeat(1 - self.seen, self._each)
         posteriors = []
-        for belief, likelihood in zip(self.beliefs, self.likelihoods, strict=True):
-            unnormalised = (self.matrix @ belief) * likelihood
+        for belief, sighting in zip(self.beliefs, self.sightings, strict=True):
+            unnormalised = (self.matrix @ belief) * self._likelihood(sighting, silent)
             posteriors.append(unnormalised / unnormalised.sum())
         return posteriors
 
     def updated_at_once(self) -> np.ndarray:
         """Prediction and conditioning of all targets, (states, targets)."""
-        unnormalised = self.predicted_at_once() * self.likelihoods.T
+        silent = np.repeat(1 - self.seen, self._each)
+        likelihoods = np.array([self._likelihood(sighting, silent) for sighting in self.sightings])
+        unnormalised = self.predicted_at_once() * likelihoods.T
         return np.asarray(unnormalised / unnormalised.sum(axis=0))
+
+    @property
+    def _each(self) -> int:
+        """States a cell."""
+        return self.beliefs.shape[1] // len(self.seen)
+
+    def _likelihood(self, sighting: Any, silent: np.ndarray) -> np.ndarray:
+        """P(sighting | state) of perfect eyes, (states,)."""
+        if sighting == UNSEEN:
+            return silent
+        likelihood = np.zeros(len(silent))
+        first = self.number[sighting] * self._each
+        likelihood[first : first + self._each] = 1.0
+        return likelihood

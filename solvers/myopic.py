@@ -10,6 +10,7 @@ When not to use it: where looking further ahead than one step pays.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -120,10 +121,10 @@ class DecomposedMyopic:
         key = (term.stack, term.position, self._known_key(belief.known))
         if key in self._templates:
             predicted = belief.predicted(term.stack, {}, {})
-            weights = _weights(predicted, belief.plan.stacks[term.stack], term.reweighed)
+            weights = _mass(predicted, belief.plan.stacks[term.stack].shape, term.axes)
             return self._templates[key].with_weights(weights.ravel())
         function = self._of_actions(self._local(belief, term, None, belief.members[term.stack][0]), belief.known)
-        if isinstance(function, ExpectedNoisyOr) and term.reweighed:
+        if isinstance(function, ExpectedNoisyOr) and term.axes:
             if len(self._templates) >= _MOST_TEMPLATES:
                 self._templates.clear()
             self._templates[key] = function
@@ -133,17 +134,16 @@ class DecomposedMyopic:
         """What local functions depend on in the known values: those that some factor reads, and which are unread."""
         return tuple(value if name in self._read else value is None for name, value in known.items())
 
-    def _reweighed(self, plan: StackPlan, reward: Factor) -> tuple[Variable, ...]:
-        """The next variables whose predicted mass is all that a local function takes from the belief, if that is so."""
+    def _reweighed(self, plan: StackPlan, reward: Factor) -> tuple[int, ...]:
+        """Axes of the next variables whose mass is all that a local function takes from the belief, if that is so."""
         used = list(self._needed(reward, plan, {}).values())
-        actions = any(variable in self.model.actions for variable in plan.prediction.context)
-        if (
-            actions
-            or any(variable.is_next for variable in plan.prediction.context)
-            or plan.stack.own - {s.name for s in plan.seen}
-        ):
+        after = tuple(variable.next for variable in plan.variables)
+        moved = any(variable in self.model.actions or variable.is_next for variable in plan.prediction.context)
+        if moved or plan.stack.own - {seen.name for seen in plan.seen}:
             return ()
-        return used[0].context if len(used) == 1 and isinstance(used[0], NoisyOr) else ()
+        if len(used) != 1 or not isinstance(used[0], NoisyOr) or not set(used[0].context) <= set(after):
+            return ()
+        return tuple(after.index(variable) for variable in used[0].context)
 
     def _local(self, belief: ProductBelief, term: _Term, columns: list[int] | None, names: Mapping[str, str]) -> Factor:
         """One reward term of some members of a stack, over actions and known variables' next values."""
@@ -154,7 +154,7 @@ class DecomposedMyopic:
         factors = [factor.condition(_given(factor, belief.known, rename)) for factor in (reward, *used.values())]
         if inner_now:
             array = belief.arrays[number] if columns is None else belief.arrays[number][:, columns]
-            state = DenseFactor(plan.variables, _weights(array, plan, plan.variables))
+            state = DenseFactor(plan.variables, _mass(array, plan.shape, range(len(plan.shape))))
             moves = [f.condition(_given(f, belief.known, rename)) for f in plan.stack.pattern.transition.values()]
             inner = {v for v in (*plan.variables, *(w.next for w in plan.variables))} | set(used)
             keep = [v for f in (*factors, *moves) for v in f.scope if v not in inner]
@@ -191,6 +191,8 @@ class DecomposedMyopic:
         plan = belief.plan.stacks[number]
         free = self._actions_behind([rename.get(v.name, v.name) for v in plan.prediction.context])
         base = {v.name: v.values[0] for v in self.model.actions}
+        after_all = [variable.next for variable in plan.variables]
+        axes = [after_all.index(variable) for variable in hidden]
         tables = []
         for values in itertools.product(*(variable.values for variable in free)):
             action = {**base, **dict(zip((v.name for v in free), values, strict=True))}
@@ -201,7 +203,7 @@ class DecomposedMyopic:
                 given = {**belief.known, **action, **{f"{name}.next": value for name, value in after.items()}}
                 at = {v.name: given[rename.get(v.name, v.name)] for v in plan.prediction.context}
                 predicted = plan.prediction.apply(np.ascontiguousarray(belief.arrays[number][:, columns]), at)
-            tables.append(_weights(predicted, plan, hidden))
+            tables.append(_mass(predicted, plan.shape, axes))
         back = {own: old for old, own in rename.items()}
         scope = [*(v.renamed(back.get(v.name, v.name)) for v in free), *hidden]
         return DenseFactor(scope, np.stack(tables).reshape([variable.size for variable in scope]))
@@ -258,15 +260,15 @@ class _Term:
     reward : Factor
     alike : bool
         Whether the members' local functions are over the same variables, to be added up at once.
-    reweighed : tuple of Variable
-        The next variables whose predicted mass is all that a local function takes from the belief, if that is so.
+    axes : tuple of int
+        Those of the next variables whose predicted mass is all that a local function takes from the belief, if so.
     """
 
     stack: int
     position: int
     reward: Factor
     alike: bool
-    reweighed: tuple[Variable, ...]
+    axes: tuple[int, ...]
 
 
 def _are_alike(plan: StackPlan, reward: Factor) -> bool:
@@ -276,16 +278,18 @@ def _are_alike(plan: StackPlan, reward: Factor) -> bool:
     return not (plan.stack.own - {seen.name for seen in plan.seen}) & mentioned
 
 
-def _weights(array: np.ndarray, plan: StackPlan, keep: Sequence[Variable]) -> np.ndarray:
-    """Mass of all members together over some of a block's variables (of either slice), in the order asked for."""
+def _mass(array: np.ndarray, shape: tuple[int, ...], axes: Sequence[int]) -> np.ndarray:
+    """Mass of all members together over some of a block's axes, in the order asked for."""
     from factored_pomdp.beliefs.kernels import row_sums
 
-    mass = row_sums(np.ascontiguousarray(array)).reshape(plan.shape)
-    slices = (plan.variables, tuple(variable.next for variable in plan.variables))
-    axes = [next(scope.index(variable) for scope in slices if variable in scope) for variable in keep]
-    gone = tuple(axis for axis in range(mass.ndim) if axis not in axes)
+    leading = list(axes) == list(range(len(axes)))
+    kept = shape[: len(axes)] if leading else shape
+    mass = np.asarray(row_sums(np.ascontiguousarray(array).reshape(math.prod(kept), -1)).reshape(kept))
+    if leading:
+        return mass
     left = sorted(axes)
-    return np.asarray((mass.sum(axis=gone) if gone else mass).transpose([left.index(axis) for axis in axes]))
+    mass = mass.sum(axis=tuple(axis for axis in range(len(shape)) if axis not in axes))
+    return mass.transpose([left.index(axis) for axis in axes])
 
 
 def _expected(weights: Factor, factors: list[Factor], inner: set[Variable]) -> Factor:

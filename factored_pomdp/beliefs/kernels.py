@@ -51,7 +51,7 @@ def _apply_kernel(shape: int) -> Any:
 
 
 def reweigh(predicted: np.ndarray, context: np.ndarray, likelihood: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """``predicted · likelihood[context]`` normalised member by member, and the normalising constants.
+    """``predicted · likelihood[context]`` normalised member by member, and the members for which that is impossible.
 
     Columns whose sum is zero are left at zero.
 
@@ -63,9 +63,13 @@ def reweigh(predicted: np.ndarray, context: np.ndarray, likelihood: np.ndarray) 
     """
     arrays = [np.ascontiguousarray(array) for array in (predicted, context, likelihood)]
     result, sums, scaled = np.empty(predicted.shape), np.empty(predicted.shape[1]), np.empty(likelihood.shape)
+    impossible = 0
     for tile in tiles(predicted.shape[1]):
-        _reweigh_kernel(tile.shape)(*arrays, scaled, result, sums, tile.first, tile.columns)
-    return result, sums
+        impossible += _reweigh_kernel(tile.shape)(*arrays, scaled, result, sums, tile.first, tile.columns)
+    return result, np.flatnonzero(~(sums > 0)) if impossible else _NONE
+
+
+_NONE = np.zeros(0, dtype=np.int64)
 
 
 @cache
@@ -83,13 +87,17 @@ def _reweigh_kernel(shape: int) -> Any:
         sums: Any,
         first: int,
         columns: int,
-    ) -> None:
+    ) -> int:
         product_sums(predicted, context, likelihood, sums, first, columns, shape)
+        impossible = 0
         for member in range(first, first + columns):
-            scale = 1.0 / sums[member] if sums[member] > 0.0 else 0.0
+            possible = sums[member] > 0.0
+            scale = 1.0 / sums[member] if possible else 0.0
+            impossible += not possible
             for row in range(likelihood.shape[0]):
                 scaled[row, member] = likelihood[row, member] * scale
         product_rows(predicted, context, scaled, result, first, columns, shape)
+        return impossible
 
     return reweigh_columns
 
@@ -148,15 +156,14 @@ def noisy_or_columns(
             acting[cause, row] = silent[row] * active
             silent[row] *= 1.0 - active
     members = len(seen)
+    unseen, quiet = np.zeros(members), np.zeros(members)
+    for member in range(members):
+        unseen[member] = 1.0 if seen[member] < 0 else 0.0
+        quiet[member] = 1.0 if seen[member] == off else 0.0
     likelihood = np.empty((contexts, members))
     for row in range(contexts):
         for member in range(members):
-            if seen[member] < 0:
-                likelihood[row, member] = 1.0
-            elif seen[member] == off:
-                likelihood[row, member] = silent[row]
-            else:
-                likelihood[row, member] = 0.0
+            likelihood[row, member] = unseen[member] + quiet[member] * silent[row]
     for member in range(members):
         value = seen[member]
         if value < 0 or value == off:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Int
@@ -66,6 +67,11 @@ class Plan:
     structure: Structure
     stacks: tuple[StackPlan, ...]
     moves: dict[tuple[object, ...], dict[str, Value]] = field(default_factory=dict)
+
+    @cached_property
+    def early(self) -> bool:
+        """Whether something tells of the values before a step."""
+        return any(seen.early for plan in self.stacks for seen in plan.seen)
 
 
 def plan_of(model: FactoredPOMDP) -> Plan:

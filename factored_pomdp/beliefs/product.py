@@ -72,15 +72,16 @@ class ProductBelief:
 
     def _with(self, **changes: Any) -> ProductBelief:
         """The belief with some fields changed, and no predictions made from it yet."""
-        return ProductBelief(**{**vars(self), "_predictions": {}, **changes})
+        other = object.__new__(ProductBelief)
+        other.__dict__.update(self.__dict__, _predictions={}, **changes)
+        return other
 
     def predict(self, action: Any) -> ProductBelief:
         """The belief after an action and before its observation (the sum in eq:belup2)."""
         chosen = self.plan.structure.model.action(action)
         after = self.next_known(chosen)
         arrays = tuple(self.predicted(number, chosen, after) for number in range(len(self.arrays)))
-        early = any(seen.early for plan in self.plan.stacks for seen in plan.seen)
-        prior = self._with(prior=None) if early else None
+        prior = self._with(prior=None) if self.plan.early else None
         return self._with(known=after, arrays=arrays, action=chosen, before=self.known, prior=prior)
 
     def next_known(self, action: Mapping[str, Value]) -> dict[str, Value]:
@@ -203,8 +204,8 @@ class ProductBelief:
 
         plan, predicted = members.plan, array
         for finding in findings:
-            result, sums = reweigh(array, finding.context, finding.likelihood)
-            for column in () if sums.min(initial=1.0) > 0 else np.flatnonzero(~(sums > 0)):
+            result, impossible = reweigh(array, finding.context, finding.likelihood)
+            for column in impossible:
                 block = tuple(members.names[column][variable.name] for variable in plan.variables)
                 if restart is None:
                     raise ImpossibleObservation(block, dict(self.action or {}), finding.of(int(column)))

@@ -27,7 +27,7 @@ def enumerate_all(
     for function in functions:
         total = total + function.array_over(actions)
     best = float(total.max())
-    tied = np.flatnonzero(total >= best - _TIE * max(1.0, abs(best)))
+    tied = (total >= best - _TIE * max(1.0, abs(best))).ravel().nonzero()[0]
     chosen = int(tied[0]) if len(tied) == 1 or not prefer else _most_kept(tied, actions, prefer)
     index = np.unravel_index(chosen, total.shape)
     action = {v.name: v.values[int(i)] for v, i in zip(actions, index, strict=True)}

@@ -10,7 +10,7 @@ from time import perf_counter
 __all__ = ["Timing", "in_turns"]
 
 _SHORTEST_S = 10e-3
-_MOST_CALLS = 200
+_MOST_CALLS = 1024
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,12 @@ def in_turns(rivals: Mapping[str, Callable[[], object]], turns: int, budget_s: f
 def _calls(rival: Callable[[], object]) -> int:
     """How often to call in one turn, so that what the rival before left in the caches hardly counts."""
     rival()
-    started = perf_counter()
-    rival()
-    return max(1, min(_MOST_CALLS, int(_SHORTEST_S / max(perf_counter() - started, 1e-9))))
+    calls = 1
+    while calls < _MOST_CALLS:
+        started = perf_counter()
+        for _ in range(calls):
+            rival()
+        if perf_counter() - started >= _SHORTEST_S:
+            break
+        calls *= 2
+    return calls

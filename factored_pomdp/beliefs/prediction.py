@@ -125,4 +125,4 @@ def _operator(factor: Factor, before: tuple[Variable, ...], after: tuple[Variabl
     rows, columns = entries.flat(after), entries.flat(before)
     matrix = sparse.csr_array((entries.numbers, (rows, columns)), shape=(count(after), count(before)))
     matrix.sum_duplicates()
-    return Operator(matrix.indptr.astype(np.int64), matrix.indices.astype(np.int32), matrix.data, count(after))
+    return Operator(matrix.indptr.astype(np.int64), matrix.indices.astype(np.int64), matrix.data, count(after))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
@@ -86,13 +87,14 @@ class FactoredPOMDP:
         after = _by_name(variable.next for variable in self.states)
         seen = _by_name(self.observations)
         everything = state | action | after | seen
+        before, parents = state | action | after, after | action
         build = _Builder(faults, notes)
         self.initial = build.distributions("initial", initial, state, lambda child: state)
         self.transition = build.distributions(
-            "transition", transition, {x: v.next for x, v in state.items()}, lambda child: state | action | after
+            "transition", transition, {x: v.next for x, v in state.items()}, lambda child: before
         )
         self.observation = build.distributions(
-            "observation", observation, seen, lambda child: after | action | {child.name: child}
+            "observation", observation, seen, lambda child: ChainMap({child.name: child}, parents)
         )
         self.reward = build.rewards(reward, everything)
         self.legal = build.legal(legal or {}, action, state)

@@ -14,11 +14,12 @@ WORDS = ("compare", "micro", "--targets", "1", "--controllers", "sys", "--runs",
 
 
 def kill_one(patience_s: float = 120.0) -> None:
-    """End the first worker that is there, as a system short of memory does."""
+    """End a worker once all are there, as a system short of memory does."""
     until = time.monotonic() + patience_s
     while time.monotonic() < until:
-        for worker in multiprocessing.active_children():
-            worker.kill()
+        workers = multiprocessing.active_children()
+        if len(workers) == 2:
+            workers[0].kill()
             return
         time.sleep(0.05)
 

@@ -1,0 +1,46 @@
+"""What can go wrong with a camera: the only exceptions that leave a driver. None of them carries a password."""
+
+from __future__ import annotations
+
+__all__ = [
+    "BadAnswer",
+    "BadPicture",
+    "CameraAway",
+    "CameraError",
+    "LoginRefused",
+    "OutsideLimits",
+    "Refused",
+    "Unreachable",
+]
+
+
+class CameraError(Exception):
+    """Something is wrong with a camera; the message names it and says what would mend it where that is known."""
+
+
+class Unreachable(CameraError):
+    """No answer, or a passing failure (502, 503, 504): worth another try."""
+
+
+class CameraAway(Unreachable):
+    """Not asked at all: the camera failed too often, or refused the log-in, and is left alone for a while."""
+
+
+class LoginRefused(CameraError):
+    """The camera does not take user name and password, or asks for them in a way that the site does not allow."""
+
+
+class Refused(CameraError):
+    """The camera answered that it will not: an ``Error:`` body, or a status such as 400, 403, 404."""
+
+
+class BadAnswer(CameraError):
+    """An answer that is not in the form that the protocol gives it."""
+
+
+class BadPicture(CameraError):
+    """A picture that is no whole JPEG, or was taken while the camera moved."""
+
+
+class OutsideLimits(CameraError):
+    """Presets that the camera cannot reach; it would clamp them without a word."""

@@ -3,7 +3,7 @@ PYTHON ?= python3
 WORKERS ?= 2
 BIN := .venv/bin
 PYTEST := $(BIN)/pytest -n $(WORKERS) -p nbmake --nbmake tests $(wildcard notebooks)
-EXTRAS := dev,notebooks,vision,page,cluster
+EXTRAS := dev,notebooks,vision,page,cluster,bench
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -36,7 +36,7 @@ format: .venv/.installed-dev ## put every file into shape
 docs: .venv/.installed-dev ## check that every link between the pages leads somewhere
 	$(BIN)/pytest -q tests/test_documentation_links.py
 
-bench: .venv/.installed-dev ## measure speed, against the rivals too
+bench: .venv/.installed-bench ## measure speed, against the rivals too
 	$(BIN)/python -m benchmarks.run
 
 results: .venv/.installed-core ## make docs/results.md anew
@@ -63,7 +63,8 @@ clean: ## remove the environment and everything that was made
 .venv/.installed-core: extras =
 .venv/.installed-dev: extras = [dev]
 .venv/.installed-notebooks: extras = [notebooks]
-.venv/.installed-core .venv/.installed-dev .venv/.installed-notebooks: pyproject.toml constraints.txt | $(BIN)/pip
+.venv/.installed-bench: extras = [dev,bench]
+.venv/.installed-core .venv/.installed-dev .venv/.installed-notebooks .venv/.installed-bench: pyproject.toml constraints.txt | $(BIN)/pip
 	@echo "Installing factored-pomdp$(extras) into .venv (the first time takes a minute or two) ..."
 	@$(BIN)/pip install -q -c constraints.txt -e ".$(extras)"
 	@touch $@

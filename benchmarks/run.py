@@ -19,7 +19,9 @@ from benchmarks.report import Report
 
 __all__ = ["BENCHMARKS", "main", "show"]
 
-BENCHMARKS = ("growth", "rivals", "exponential", "elimination", "large_map")
+BENCHMARKS = ("growth", "rivals", "exponential", "elimination", "large_map", "planners")
+_WIDTH = 160
+"""Columns of text where the output goes to a file."""
 _CAVEAT = "numpy's own speed depends on its BLAS kernel: set OPENBLAS_CORETYPE to compare with another one"
 
 
@@ -59,7 +61,7 @@ def show(report: Report) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    console = Console(soft_wrap=True)
+    console = Console(soft_wrap=True, width=None if sys.stdout.isatty() else _WIDTH)
     table = Table(*report.columns, title=report.title, title_justify="left")
     for row in report.rows:
         table.add_row(*row)

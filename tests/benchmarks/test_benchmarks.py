@@ -15,6 +15,7 @@ from benchmarks.flat import Flat
 from benchmarks.growth import growth
 from benchmarks.hall import Hall
 from benchmarks.large_map import large_map
+from benchmarks.planners import MODELS, planners
 from benchmarks.report import Aim
 from benchmarks.rivals import rivals
 from benchmarks.run import BENCHMARKS, main
@@ -119,6 +120,23 @@ def test_an_unknown_benchmark_is_wrong_input(capsys: pytest.CaptureFixture[str])
     assert stopped.value.code == 2
     told = capsys.readouterr().err
     assert all(name in told for name in BENCHMARKS)
+
+
+@pytest.mark.end_to_end
+@pytest.mark.skipif(not MODELS.is_dir(), reason="the published models are not here")
+def test_a_planner_answers_from_a_process_of_its_own() -> None:
+    report = planners(True, 0, (("cassandra/tiger.95.POMDP", 5.0, ""),), ("ours",))
+    (found,) = report.figures.values()
+    assert found["lower"] <= 19.371368 <= found["upper"]
+    assert found["upper"] - found["lower"] <= 1e-3
+    assert found["peak_bytes"] > 1e7
+
+
+@pytest.mark.end_to_end
+@pytest.mark.skipif(not MODELS.is_dir(), reason="the published models are not here")
+def test_a_planner_that_is_not_there_is_named() -> None:
+    report = planners(True, 0, (("cassandra/tiger.95.POMDP", 5.0, ""),), ("nobody",))
+    assert "nobody" in report.rows[0][3]
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ import numpy as np
 
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.simulation import Simulation
+from factored_pomdp.trace import record
 from factored_pomdp.variables import Value
 
 __all__ = ["Returns", "episodes", "largest_reward", "steps_that_matter"]
@@ -41,11 +42,11 @@ def episodes(
     Parameters
     ----------
     actor : object
-        With ``start()``, which gives a belief, and ``decide(belief)``.
+        With ``start()``, which gives a belief, and ``decide(belief)``; ``values(belief)`` lists actions with values.
     seed : int
         Run r draws from the generator with seed ``[seed, r]``, whatever the other runs did.
     trace : text file, optional
-        Gets a line of JSON a step: state, belief of each variable, decision, observation, reward.
+        Gets a line of JSON a step (`factored_pomdp.trace`).
     """
     world = Simulation(model)
     for run in range(runs):
@@ -57,8 +58,9 @@ def episodes(
             decision = actor.decide(belief)
             after, seen, reward = world.step(state, decision.action, rng)
             if trace is not None:
-                trace.write(json.dumps(_line(run, step, state, belief, decision, seen, reward), ensure_ascii=False))
-                trace.write("\n")
+                valued = actor.values(belief) if hasattr(actor, "values") else None
+                line = {"run": run, "step": step} | record(model, state, belief, decision, valued, seen, reward)
+                trace.write(json.dumps(line, ensure_ascii=False) + "\n")
             total += weight * reward
             weight *= model.discount
             ended = model.is_terminal(after)
@@ -73,28 +75,6 @@ def _read_back(model: FactoredPOMDP, state: Mapping[str, Value]) -> dict[str, Va
 
     known = plan_of(model).structure.known
     return {name: state[name] for name in known if name in model.declared_known}
-
-
-def _line(
-    run: int,
-    step: int,
-    state: Mapping[str, Value],
-    belief: Any,
-    decision: Any,
-    seen: Mapping[str, Value],
-    reward: float,
-) -> dict[str, Any]:
-    return {
-        "run": run,
-        "step": step,
-        "state": {name: str(value) for name, value in state.items()},
-        "action": {name: str(value) for name, value in decision.action.items()},
-        "value": decision.value,
-        "upper_bound": decision.upper_bound if math.isfinite(decision.upper_bound) else None,
-        "method": decision.method,
-        "observation": {name: str(value) for name, value in seen.items()},
-        "reward": reward,
-    }
 
 
 class Returns:

@@ -63,6 +63,13 @@ class FlatBelief:
             raise ImpossibleObservation(names, self.flat.actions[self.action or 0], {**seen, **(known or {})})
         return replace(self, vector=weights / total)
 
+    def marginal(self, name: str) -> Float[np.ndarray, " values"]:
+        """Probabilities of one state variable's values."""
+        position = [variable.name for variable in self.flat.model.states].index(name)
+        shape = [variable.size for variable in self.flat.model.states]
+        index = np.unravel_index(self.flat.order, shape)[position]
+        return np.bincount(index, self.vector, minlength=shape[position])
+
     def _likelihood(self, action: int, seen: Mapping[str, Value]) -> Float[np.ndarray, " states"]:
         names = [variable.name for variable in self.flat.model.observations]
         if len(seen) == len(names):

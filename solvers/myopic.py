@@ -24,6 +24,7 @@ from factored_pomdp.factors import DenseFactor, ExpectedNoisyOr, Factor, NoisyOr
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.structure import structure_of
 from factored_pomdp.variables import Value, Variable, count
+from solvers.action_values import Valued, summed_values
 from solvers.base import Ability, Decision
 from solvers.maximise import maximise
 
@@ -88,11 +89,18 @@ class DecomposedMyopic:
         prefer : mapping, optional
             Action values to keep where that costs nothing.
         """
-        known = belief.known
-        legal = [
-            factor.condition(_given(factor, known)) for factor in self.model.legal.values() if _readable(factor, known)
-        ]
-        return maximise(self.local_functions(belief), self.model.actions, legal, prefer)
+        return maximise(self.local_functions(belief), self.model.actions, self._legal(belief.known), prefer)
+
+    def values(self, belief: ProductBelief) -> Valued:
+        """Legal joint actions with V(B, A); beyond 100,000, the best and those that differ from it in one variable."""
+        functions, legal = self.local_functions(belief), self._legal(belief.known)
+        best = maximise(functions, self.model.actions, legal)
+        return summed_values(functions, self.model.actions, legal, best.action)
+
+    def _legal(self, known: Mapping[str, Value]) -> list[Factor]:
+        """What may be chosen at known values, an action variable each."""
+        rules = self.model.legal.values()
+        return [factor.condition(_given(factor, known)) for factor in rules if _readable(factor, known)]
 
     def value(self, belief: ProductBelief, action: Any) -> float:
         """V(B, A): expected reward of the next step for one action (eq:policy3)."""

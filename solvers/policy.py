@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Bool, Float
 
+from solvers.action_values import Valued, one_step_values
 from solvers.alpha_vectors import VectorSet
 from solvers.base import Decision
 from solvers.flat import FlatModel
@@ -88,9 +89,7 @@ class VectorPolicy:
         steps_to_go : int, optional
             With a finite horizon; a `FlatBelief` counts its steps itself.
         """
-        if steps_to_go is None and self.horizon is not None and isinstance(belief, FlatBelief):
-            steps_to_go = self.horizon - belief.steps
-        vector, stage = vector_of(self.flat, belief), self.stage(steps_to_go)
+        vector, stage = vector_of(self.flat, belief), self.stage(self._steps_to_go(belief, steps_to_go))
         lower, action = self._lower(stage, vector)
         upper = max(lower, self._upper(stage, vector, lower))
         if self.follows != "lower bound":
@@ -98,6 +97,30 @@ class VectorPolicy:
         found = f"{self.solver}, following its {self.follows}"
         proved = upper - lower <= 1e-9 * max(1.0, abs(lower)) and self.follows == "lower bound"
         return Decision(self.flat.actions[action], lower, upper, found if proved else f"{found}; not proved")
+
+    def values(self, belief: Any, steps_to_go: int | None = None) -> Valued:
+        """Every legal action and what it is worth.
+
+        Where the policy follows its lower bound: the expected reward of a step, and the lower bound from there on; else
+        the numbers that it compares.
+        """
+        steps_to_go = self._steps_to_go(belief, steps_to_go)
+        vector, legal = vector_of(self.flat, belief), self._legal_at(vector_of(self.flat, belief))
+        if self.follows != "lower bound":
+            worth = self._compared(self.stage(steps_to_go), vector)
+            return [(self.flat.actions[number], float(worth[number])) for number in np.flatnonzero(legal)]
+        if self.horizon is None:
+            after = self.stages[-1]
+        elif (left := len(self.stages) if steps_to_go is None else steps_to_go) > 1:
+            after = self.stage(left - 1)
+        else:
+            return one_step_values(self.flat, vector, legal, None)
+        return one_step_values(self.flat, vector, legal, lambda belief: self._lower(after, belief)[0])
+
+    def _steps_to_go(self, belief: Any, steps_to_go: int | None) -> int | None:
+        if steps_to_go is None and self.horizon is not None and isinstance(belief, FlatBelief):
+            return self.horizon - belief.steps
+        return steps_to_go
 
     def bounds(self, belief: Float[np.ndarray, " states"]) -> tuple[float, float]:
         """Lower and upper bound at a belief in the flat model's order, at the horizon."""
@@ -125,15 +148,17 @@ class VectorPolicy:
         return found
 
     def _followed(self, stage: Stage, belief: Float[np.ndarray, " states"]) -> int:
+        return int(np.where(self._legal_at(belief), self._compared(stage, belief), -np.inf).argmax())
+
+    def _compared(self, stage: Stage, belief: Float[np.ndarray, " states"]) -> Float[np.ndarray, " actions"]:
+        """What the policy compares where it follows its upper bound."""
         upper = stage.upper
         if upper is None:
             raise ValueError(f"a policy of {self.solver} has no upper bound to follow")
         if self.follows == "most probable state":
-            worth = upper[:, int(belief.argmax())]
-        else:
-            support = np.flatnonzero(belief)
-            worth = upper[:, support] @ belief[support]
-        return int(np.where(self._legal_at(belief), worth, -np.inf).argmax())
+            return upper[:, int(belief.argmax())]
+        support = np.flatnonzero(belief)
+        return np.asarray(upper[:, support] @ belief[support])
 
     def _legal_at(self, belief: Float[np.ndarray, " states"]) -> Bool[np.ndarray, " actions"]:
         """Which actions are legal wherever the belief has mass."""

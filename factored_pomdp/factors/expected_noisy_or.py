@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -52,7 +53,7 @@ class ExpectedNoisyOr(Factor):
 
     def __init__(self, weights: np.ndarray, causes: Sequence[WeightedCause], off_payoff: np.ndarray) -> None:
         self.weights, self.causes, self.off_payoff = weights, tuple(causes), off_payoff
-        self._unweighted: dict[str, np.ndarray] = {}
+        self._unweighted: dict[str, Any] = {}
         self.scope = tuple(dict.fromkeys(cause.variable for cause in causes if cause.variable is not None))
 
     @classmethod
@@ -156,6 +157,23 @@ class ExpectedNoisyOr(Factor):
         return all(np.array_equal(p[seen], payoffs[0][seen]) for p in payoffs) and bool(
             (payoffs[0][seen] >= self.off_payoff[seen]).all()
         )
+
+    def silences(self) -> tuple[tuple[Variable, np.ndarray, np.ndarray], ...]:
+        """For each variable the contexts that it reaches, (reached,), and ``∏ (1 − p)`` there, (values, reached)."""
+        if "silences" not in self._unweighted:
+            self._unweighted["silences"] = tuple((variable, *self._silence(variable)) for variable in self.scope)
+        found: tuple[tuple[Variable, np.ndarray, np.ndarray], ...] = self._unweighted["silences"]
+        return found
+
+    def always_silent(self) -> np.ndarray:
+        """``∏ (1 − p)`` of the causes that are decided, (contexts,)."""
+        decided = [cause.activation[0] for cause in self.causes if cause.variable is None]
+        return np.prod([1 - row for row in decided], axis=0) if decided else np.ones(len(self.weights))
+
+    def _silence(self, variable: Variable) -> tuple[np.ndarray, np.ndarray]:
+        causes = [cause.activation for cause in self.causes if cause.variable == variable]
+        reached = np.flatnonzero(np.any([(activation > 0).any(axis=0) for activation in causes], axis=0))
+        return reached, np.prod([1 - activation[:, reached] for activation in causes], axis=0)
 
     def dense(self) -> DenseFactor:
         self.refuse_if_large(self.scope)

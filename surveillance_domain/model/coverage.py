@@ -18,12 +18,12 @@ def best_joint_coverage(views: Views) -> tuple[tuple[int, ...], str]:
     """Preset numbers that together have the most free cells in view, and ``"the best"`` or ``"a good"``.
 
     Up to 2000 joint presets are enumerated, which proves the choice; beyond that cameras are improved one after the
-    other until none can be, from the first presets on. Ties take the first.
+    other until none can be, from the first presets on. Ties keep most cameras at their first presets, where they start.
     """
     masks = [detection > 0 for detection in views.detection]
     if prod(len(camera) for camera in masks) <= _MOST_ENUMERATED:
         joint = product(*(range(len(camera)) for camera in masks))
-        return max(joint, key=lambda presets: _covered(masks, presets)), "the best"
+        return max(joint, key=lambda presets: (_covered(masks, presets), presets.count(0))), "the best"
     chosen = [0] * len(masks)
     improved = True
     while improved:

@@ -232,6 +232,15 @@ def test_the_hall_is_symmetric_under_half_a_turn() -> None:
 
 
 @pytest.mark.example
+def test_equal_coverage_keeps_most_cameras_where_they_start() -> None:
+    """Presets (0, 1), (1, 0) and (1, 1) all see two cells; the first is not the first in order that moves one camera."""
+    first, second = np.eye(3)[[0, 1]], np.eye(3)[[0, 2]]
+    assert best_joint_coverage(Views((first, second), (0.0, 0.0))) == ((0, 1), "the best")
+    third = np.eye(3)[[0, 0, 1]]
+    assert best_joint_coverage(Views((np.eye(3)[[0, 2]], third, third), (0.0,) * 3)) == ((1, 0, 2), "the best")
+
+
+@pytest.mark.example
 def test_many_cameras_are_improved_one_after_the_other() -> None:
     rng = np.random.default_rng(1)
     detection = tuple((rng.random((3, 40)) < 0.1).astype(float) for _ in range(8))

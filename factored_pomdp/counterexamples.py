@@ -1,23 +1,24 @@
 """Numbers that show a tie: worked out on the tied block alone, from beliefs with a few values each.
 
-Initial tie: a joint probability that is not the product of the marginals. Transition or observation tie: a posterior
-that is not the product of its marginals although the belief was one, or two beliefs that agree on one thing whose
-posteriors differ there. Reward tie: four expected rewards whose mixed difference is not zero.
+Initial tie: a joint probability that is not the product of the marginals. Transition, observation or terminal tie: a
+posterior (given that the episode goes on) that is not the product of its marginals although the belief was one, or two
+beliefs that agree on one thing whose posteriors differ there. Reward tie: four expected rewards whose mixed difference
+is not zero.
 """
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from functools import reduce
+from functools import cached_property, reduce
 from typing import Any
 
 import numpy as np
 
-from factored_pomdp.contraction import contract
+from factored_pomdp.contraction import contract, contract_ancestors
 from factored_pomdp.factors import Factor, SparseFactor, constant
 from factored_pomdp.influence import influence
-from factored_pomdp.structure import Block, Join, Structure
+from factored_pomdp.structure import GOES_ON, Block, Join, Structure
 from factored_pomdp.variables import Value, Variable
 
 __all__ = ["counterexample_of"]
@@ -37,6 +38,8 @@ def counterexample_of(structure: Structure, join: Join) -> Counterexample | None
     search = _Search(structure, join)
     if join.kind == "reward":
         return search.value()
+    if join.kind == "terminal":
+        return search.posterior() or search.start()
     return search.posterior()
 
 
@@ -74,11 +77,15 @@ class _Search:
             {n: f for block in self.blocks for n, f in block.likelihood.items()},
         )
         self.hidden = {variable.name: variable for variable in self.block.variables}
+        self.seen = {GOES_ON.name, *(variable.name for variable in self.model.observations)}
         self.rng = np.random.default_rng(_SEED)
 
     def posterior(self) -> Counterexample | None:
-        for belief, others in self._beliefs():
+        for any_belief, others in self._beliefs():
             context = self._context(others)
+            belief = self._going_on(any_belief, context)
+            if belief is None:
+                continue
             predicted = self._predicted(belief, context)
             observed = self._observation(predicted, context, others)
             after = self._posterior(predicted, context, observed)
@@ -92,12 +99,24 @@ class _Search:
                 return found
         return None
 
+    def start(self) -> Counterexample | None:
+        """The initial belief, given that the episode goes on at all."""
+        running = self._running
+        if running is None:
+            return None
+        joint = contract_ancestors(self.model.initial, list(dict.fromkeys([*self.hidden.values(), *running.scope])))
+        going_on = joint.product(running).sparse()
+        return _not_a_product(going_on, self.things, {"kind": "belief"}) if going_on.numbers.sum() > 0 else None
+
     def value(self) -> Counterexample | None:
         """Expected rewards of four beliefs that differ in one thing each."""
-        for (belief, others), (first, second) in itertools.product(
+        for (any_belief, others), (first, second) in itertools.product(
             self._beliefs(), itertools.combinations(self.things, 2)
         ):
             context = self._context(others)
+            belief = self._going_on(any_belief, context)
+            if belief is None:
+                continue
             numbers: dict[tuple[int, int], float] = {}
             for one, two in itertools.product((0, 1), repeat=2):
                 changed = dict(belief)
@@ -175,6 +194,30 @@ class _Search:
                 )
             yield belief, others if trial < _TRIALS // 3 else {}
 
+    @cached_property
+    def _running(self) -> Factor | None:
+        """Over current states of the block: zero where the episode is over."""
+        told = self.block.likelihood.get(GOES_ON.name)
+        if told is None:
+            return None
+        return told.condition({GOES_ON.name: True}).renamed({v.name: v.now.name for v in told.scope})
+
+    def _going_on(self, belief: Belief, context: Mapping[str, Any]) -> Belief | None:
+        """The belief without values at which the episode could be over; ``None`` if it then has none left."""
+        if self._running is None:
+            return belief
+        left, running = dict(belief), self._running.condition(context["known"])
+        while True:
+            states = itertools.product(*(left[name] for name in running.names))
+            over = next(
+                (state for state in states if not running.value(dict(zip(running.names, state, strict=True)))), ()
+            )
+            drop = [(name, value) for name, value in zip(running.names, over, strict=False) if len(left[name]) > 1]
+            if not drop:
+                return None if over or not (running.scope or running.value({})) else left
+            name, value = drop[int(self.rng.integers(len(drop)))]
+            left[name] = {other: 1.0 for other in left[name] if other != value}
+
     def _context(self, others: Mapping[str, Value]) -> dict[str, Any]:
         """An action and known values; those of the witness where it names them."""
         known = {name: others.get(name, self._any(self.model.variable(name).values)) for name in self.structure.known}
@@ -219,9 +262,8 @@ class _Search:
     ) -> dict[str, Value]:
         """Draw a value for everything that is seen of the block; the witness' own where it has one."""
         given, observed = self._given(context), self._read_back(context)
-        seen = {v.name for v in self.model.observations}
         for name, factor in self.block.likelihood.items():
-            child = name if name in seen else f"{name}.next"
+            child = name if name in self.seen else f"{name}.next"
             table = factor.condition({n: v for n, v in {**given, **observed}.items() if n != child})
             line = contract([predicted, *self._shown(observed, given), table], [table.variable(child)]).array_over(
                 [table.variable(child)]
@@ -243,8 +285,7 @@ class _Search:
 
     def _shown(self, observed: Mapping[str, Value], given: Mapping[str, Value]) -> list[Factor]:
         names = {**given, **observed}
-        seen = {v.name for v in self.model.observations}
-        keys = {name: name if name in seen else f"{name}.next" for name in self.block.likelihood}
+        keys = {name: name if name in self.seen else f"{name}.next" for name in self.block.likelihood}
         return [self.block.likelihood[n].condition({**names}) for n, child in keys.items() if child in observed]
 
     def _posterior(self, predicted: Factor, context: Mapping[str, Any], observed: Mapping[str, Value]) -> Factor | None:
@@ -261,7 +302,7 @@ class _Search:
         factors = [self._predicted(belief, context), self.join.table.condition(given)]
         laws = dict(self.structure.laws)
         for name, factor in self.block.likelihood.items():
-            laws[name if name in self.model.observation else f"{name}.next"] = factor
+            laws[name if name in self.seen else f"{name}.next"] = factor
         waiting, done = list(factors[1].names), set(given)
         while waiting:
             name = waiting.pop()

@@ -32,7 +32,7 @@ class Tie:
     factor : str
         Such as ``transition of b.next``.
     kind : str
-        ``initial``, ``transition``, ``observation`` or ``reward``.
+        ``initial``, ``transition``, ``observation``, ``reward`` or ``terminal``.
     joins : tuple of tuples of str
         The things that it ties, each named by its variables.
     counterexample : dict or None
@@ -82,7 +82,8 @@ class Certificate:
         lines += [f"block {n}: {', '.join(block)}" for n, block in enumerate(self.blocks, 1)]
         for tie in self.ties:
             joined = " with ".join(f"[{', '.join(thing)}]" for thing in tie.joins)
-            lines.append(f"{tie.kind} tie: {tie.factor} joins {joined}{'; ' + tie.because if tie.because else ''}")
+            what = f"{tie.kind} tie" if tie.factor == tie.kind else f"{tie.kind} tie: {tie.factor}"
+            lines.append(f"{what} joins {joined}{'; ' + tie.because if tie.because else ''}")
         return "\n".join(lines)
 
 
@@ -102,7 +103,8 @@ def decompose(
     Notes
     -----
     A parent without numeric influence ties nothing, nor does a likelihood that is a product, a reward that is a sum, or
-    an initial belief that multiplies out to a product.
+    an initial belief that multiplies out to a product. Terminal states count as an observation, as the belief is given
+    that the episode goes on.
     """
     structure = structure_of(model)
     ties = []

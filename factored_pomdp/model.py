@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from factored_pomdp.errors import Fault, ModelError, did_you_mean
-from factored_pomdp.factors import Factor
+from factored_pomdp.factors import DenseFactor, Factor
 from factored_pomdp.specification import Specification, resolve, table
 from factored_pomdp.validation import checked_distribution, checked_reward, is_certain
 from factored_pomdp.variables import Value, Variable, count
@@ -49,7 +49,8 @@ class FactoredPOMDP:
         For an action variable, a function of (known state variables, that action) which says whether it may be chosen.
     terminal : specification, optional
         A function of state variables, not zero where an episode ends on entering the state. With one state variable, a
-        mapping of its values will do; those left out are not terminal.
+        mapping of its values will do; those left out are not terminal. Whoever acts is told of the end: an action is
+        taken only while the episode goes on, and every belief is given that it does.
 
     Attributes
     ----------
@@ -151,6 +152,14 @@ class FactoredPOMDP:
     def is_terminal(self, state: Mapping[str, Value]) -> bool:
         """Whether an episode ends on entering this state."""
         return self.terminal is not None and bool(self.terminal.value(state))
+
+    @cached_property
+    def running(self) -> Factor | None:
+        """One where an episode goes on, zero in terminal states; ``None`` where there are none."""
+        if self.terminal is None:
+            return None
+        ends = self.terminal.dense()
+        return DenseFactor(ends.scope, ends.array == 0)
 
     def is_legal(self, action: Mapping[str, Value], known: Mapping[str, Value]) -> bool:
         """Whether every action variable's value may be chosen in a known state (unknown parts forbid nothing)."""

@@ -5,6 +5,11 @@ as read back, or is a function of known variables and actions, or is shown witho
 read back or shown counts as hidden all the same where a transition reads its next value, or where its own transition
 reads hidden variables of both slices. Given the known variables, the hidden ones are joined by every factor whose
 numbers depend on several of them.
+
+Where a model has terminal states, whoever acts is told after every step that the episode goes on. That is one more
+observation (`GOES_ON`), whose likelihood is zero in terminal states and one elsewhere. It falls apart, or joins hidden
+variables, as any other: an end when *any* of several things happens is a product, an end when *all* have happened is a
+tie. What the others do after the end concerns nobody, so nothing has to freeze for it.
 """
 
 from __future__ import annotations
@@ -15,14 +20,17 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from factored_pomdp.contraction import contract_ancestors
-from factored_pomdp.factors import Factor, NoisyOr
+from factored_pomdp.factors import DenseFactor, Factor, NoisyOr
 from factored_pomdp.influence import Influences
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.separation import additive_parts, multiplicative_parts
 from factored_pomdp.validation import is_certain
 from factored_pomdp.variables import Variable
 
-__all__ = ["Block", "Join", "Structure", "structure_of"]
+__all__ = ["GOES_ON", "Block", "Join", "Structure", "structure_of"]
+
+GOES_ON = Variable("(episode goes on)", [True])
+"""What is told after every step that does not end in a terminal state."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +42,7 @@ class Join:
     factor : str
         Such as ``transition of b.next`` or ``reward both``.
     kind : str
-        ``initial``, ``transition``, ``observation`` or ``reward``.
+        ``initial``, ``transition``, ``observation``, ``reward`` or ``terminal``.
     table : Factor
         Without the variables that make no numeric difference.
     things : tuple of int
@@ -58,7 +66,7 @@ class Block:
     transition : dict
         By name of the state variable.
     likelihood : dict
-        By name of what is seen: an observation variable, or a known variable that hidden ones influence.
+        By name of what is seen: an observation variable, a known variable that hidden ones influence, or `GOES_ON`.
     rewards : list of (name, Factor)
     """
 
@@ -93,6 +101,9 @@ class Structure:
         Distributions that no hidden variable influences, of observations and of known variables' next values, by name.
     free_rewards : list of (name, Factor)
         Reward terms over known variables and actions alone.
+    running : Factor or None
+        Over next known variables: one where the episode goes on. ``None`` where there are no terminal states, or hidden
+        variables have a part in them (then blocks hold the likelihood of `GOES_ON`).
     """
 
     model: FactoredPOMDP
@@ -104,6 +115,7 @@ class Structure:
     joins: tuple[Join, ...]
     laws: dict[str, Factor]
     free_rewards: list[tuple[str, Factor]]
+    running: Factor | None
 
 
 def structure_of(model: FactoredPOMDP) -> Structure:
@@ -123,6 +135,7 @@ class _Finder:
         self.transition = {x: reduced(f, f"{x}.next") for x, f in model.transition.items()}
         self.observation = {o: reduced(f, o) for o, f in model.observation.items()}
         self.rewards = {r: reduced(f, None) for r, f in model.reward.items()}
+        self.running = reduced(_going_on(model.running), GOES_ON.name) if model.running is not None else None
         self.known, self.functions, self.shown_by = self._known()
         self.things = self._things()
         self.thing_of = {name: number for number, names in enumerate(self.things) for name in names}
@@ -138,6 +151,8 @@ class _Finder:
                 self._join("transition", f"transition of {name}.next", table, joins)
         for name, table in self.observation.items():
             likelihoods += self._seen("observation", f"observation of {name}", name, table, joins)
+        if self.running is not None:
+            likelihoods += self._seen("terminal", "terminal", GOES_ON.name, self.running, joins)
         roots = _components(len(self.things), [join.things for join in joins])
         terms, free = self._reward_terms(roots, joins)
         roots = _components(len(self.things), [join.things for join in joins])
@@ -146,7 +161,10 @@ class _Finder:
         functions = {name: self.transition[name] for name in self.functions}
         laws = self.observation | {f"{name}.next": self.transition[name] for name in order}
         laws = {name: table for name, table in laws.items() if not self._hidden(table)}
-        return Structure(self.model, order, functions, self.shown_by, blocks, self.things, tuple(joins), laws, free)
+        running = self.running if self.running is not None and not self._hidden(self.running) else None
+        return Structure(
+            self.model, order, functions, self.shown_by, blocks, self.things, tuple(joins), laws, free, running
+        )
 
     def _known(self) -> tuple[set[str], list[str], dict[str, str]]:
         """The largest set of variables that can be told after a step if they were known before it."""
@@ -359,6 +377,12 @@ class _Reducer:
         return (
             short if first.names == factor.names else short.renamed(dict(zip(first.names, factor.names, strict=True)))
         )
+
+
+def _going_on(running: Factor) -> DenseFactor:
+    """The likelihood of `GOES_ON` in next states."""
+    table = running.dense()
+    return DenseFactor([*(variable.next for variable in table.scope), GOES_ON], table.array[..., None])
 
 
 def _components(size: int, links: Iterable[tuple[int, ...]]) -> list[int]:

@@ -1,7 +1,8 @@
 """The exponential solver against the linear decomposition: values, chosen actions and posteriors, in numbers.
 
 On random product beliefs, and along simulated runs, both solvers value every joint action, and both beliefs are carried
-through the same action and observation. The solvers are reached through the registry, by name.
+through the same action and observation. A run that ends in a terminal state starts anew; where a step ends there is no
+posterior to compare, as nobody acts on it. The solvers are reached through the registry, by name.
 """
 
 from __future__ import annotations
@@ -131,21 +132,22 @@ def verifications(
         With the sizes, before anything is allocated.
     """
     tally = _Tally(model, sparse, rng)
-    state = tally.world.start(rng)
+    state = tally.start()
     for number in range(1, beliefs + 1):
         product = random_product_belief(model, state, rng)
         joint = joint_of(product, sparse)
         action = tally.compare_decisions(product, joint, f"random belief {number}").drawn
         tally.carry(product, joint, sampled_state(product, rng), action, f"random belief {number}")
         state = tally.world.step(state, tally.legal_action(state), rng)[0]
+        state = tally.start() if model.is_terminal(state) else state
         tally.beliefs += 1
         yield tally.verification()
     for run in range(1, runs + 1 if steps else 1):
-        product, joint, state = initial_belief(model), JointBelief.initial(model, sparse), tally.world.start(rng)
+        product, joint, state = tally.beginning()
         for step in range(1, steps + 1):
             where = f"run {run}, step {step}"
             action = tally.compare_decisions(product, joint, where).chosen
-            product, joint, state = tally.carry(product, joint, state, action, where)
+            product, joint, state = tally.carry(product, joint, state, action, where) or tally.beginning()
             tally.steps += 1
             yield tally.verification()
 
@@ -183,7 +185,8 @@ class _Tally:
         start = initial_belief(self.model)
         action = self.decomposed.decide(start).action
         after, seen, _ = self.world.step(sampled_state(start, self.rng), action, self.rng)
-        start.predict(action).condition(seen, known={name: after[name] for name in self.read_back})
+        if not self.model.is_terminal(after):
+            start.predict(action).condition(seen, known={name: after[name] for name in self.read_back})
 
     def compare_decisions(self, product: ProductBelief, joint: JointBelief, where: str) -> _Actions:
         """V(B, A) of every legal joint action both ways, and what the decomposition chooses."""
@@ -214,9 +217,11 @@ class _Tally:
         state: Mapping[str, Value],
         action: Mapping[str, Value],
         where: str,
-    ) -> tuple[ProductBelief, JointBelief, dict[str, Value]]:
-        """Both beliefs through one action and the observation that the world then gives."""
+    ) -> tuple[ProductBelief, JointBelief, dict[str, Value]] | None:
+        """Both beliefs through one action and what the world then shows; ``None`` where the episode ends there."""
         after, seen, _ = self.world.step(state, action, self.rng)
+        if self.model.is_terminal(after):
+            return None
         known = {name: after[name] for name in self.read_back}
         with self._timed("joint"):
             joint_after = joint.predict(action).condition(seen, known=known)
@@ -227,6 +232,16 @@ class _Tally:
         if abs(worst.joint - worst.product) > TOLERANCE:
             self._note("belief", where, product, action, {**seen, **known}, worst.at, worst.joint, worst.product)
         return product_after, joint_after, after
+
+    def start(self) -> dict[str, Value]:
+        """An initial state that is not terminal (there is one: the initial beliefs were made)."""
+        while self.model.is_terminal(state := self.world.start(self.rng)):
+            pass
+        return state
+
+    def beginning(self) -> tuple[ProductBelief, JointBelief, dict[str, Value]]:
+        """Both initial beliefs, and a state to start from."""
+        return initial_belief(self.model), JointBelief.initial(self.model, self.sparse), self.start()
 
     def legal_action(self, state: Mapping[str, Value]) -> dict[str, Value]:
         """A random joint action that is legal in a state."""

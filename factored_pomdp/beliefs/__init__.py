@@ -15,7 +15,7 @@ __all__ = ["JointBelief", "ProductBelief", "initial_belief"]
 
 
 def initial_belief(model: FactoredPOMDP, project: bool = False) -> ProductBelief:
-    """The model's initial belief as a product over blocks.
+    """The model's initial belief as a product over blocks, given that the episode does not end at once.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def initial_belief(model: FactoredPOMDP, project: bool = False) -> ProductBelief
             columns.append(_start(model, [variable.name for variable in scope]).ravel())
         arrays.append(np.ascontiguousarray(np.stack(columns, axis=1)))
     roster = Roster(plan, tuple(stack.stack.names for stack in plan.stacks))
-    belief = ProductBelief(plan, known, tuple(arrays), roster, project=project)
+    belief = ProductBelief(plan, known, tuple(arrays), roster, project=project).running()
     return belief._projected() if project else belief
 
 

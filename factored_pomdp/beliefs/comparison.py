@@ -74,13 +74,18 @@ def joint_of(product: ProductBelief, sparse: bool = False) -> JointBelief:
 
 
 def random_product_belief(model: FactoredPOMDP, state: Mapping[str, Value], rng: np.random.Generator) -> ProductBelief:
-    """A belief whose blocks are drawn dense, sparse or certain, and whose known variables are as in ``state``."""
+    """A belief whose blocks are drawn dense, sparse or certain, and whose known variables are as in ``state``.
+
+    No terminal state has mass; ``state`` is not terminal.
+    """
     start = initial_belief(model)
+    known = {name: state[name] for name in start.known}
+    possible = start.with_arrays([np.full(array.shape, 1 / len(array)) for array in start.arrays], known).running()
     arrays = []
-    for array in start.arrays:
-        columns = [_random_column(len(array), rng) for _ in range(array.shape[1])]
+    for array in possible.arrays:
+        columns = [_random_column(array[:, column] > 0, rng) for column in range(array.shape[1])]
         arrays.append(np.stack(columns, axis=1) if columns else array)
-    return start.with_arrays(arrays, {name: state[name] for name in start.known})
+    return start.with_arrays(arrays, known)
 
 
 def sampled_state(product: ProductBelief, rng: np.random.Generator) -> dict[str, Value]:
@@ -111,10 +116,11 @@ def _parts(product: ProductBelief) -> list[DenseFactor]:
     return [*certain, *(product.block(names[0]) for names in product.blocks)]
 
 
-def _random_column(size: int, rng: np.random.Generator) -> np.ndarray:
-    support = (1, int(rng.integers(1, size + 1)), size)[int(rng.integers(3))]
-    column = np.zeros(size)
-    column[rng.choice(size, support, replace=False)] = rng.dirichlet(np.ones(support))
+def _random_column(possible: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    at = np.flatnonzero(possible)
+    support = (1, int(rng.integers(1, len(at) + 1)), len(at))[int(rng.integers(3))]
+    column = np.zeros(len(possible))
+    column[at[rng.choice(len(at), support, replace=False)]] = rng.dirichlet(np.ones(support))
     return column
 
 

@@ -1,6 +1,7 @@
 """A belief over joint states: exact for every model, exponential in the number of variables (eq:belup, literally).
 
-The table is dense, or sparse where few joint states have mass; both forms do the same products and sums.
+The table is dense, or sparse where few joint states have mass; both forms do the same products and sums. As in a
+product belief, mass in terminal states is left out: whoever acts is told that the episode goes on.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from factored_pomdp.errors import ImpossibleObservation
 from factored_pomdp.factors import DenseFactor, Factor
 from factored_pomdp.factors.dense import constant
 from factored_pomdp.model import FactoredPOMDP
+from factored_pomdp.structure import GOES_ON
 from factored_pomdp.variables import Value, Variable
 
 __all__ = ["JointBelief"]
@@ -40,17 +42,28 @@ class JointBelief:
 
     @classmethod
     def initial(cls, model: FactoredPOMDP, sparse: bool = False) -> JointBelief:
-        """The model's initial belief, multiplied out."""
+        """The model's initial belief, multiplied out, given that the episode does not end at once."""
         table = _multiplied(constant(1.0), model.initial.values(), sparse)
-        return cls(model, table, sparse)
+        return cls(model, table, sparse).running()
 
     def predict(self, action: Any) -> JointBelief:
         """``Σ_S P(S' | S, A) B(S)`` over all joint states."""
         chosen = self.model.action(action)
-        table, left = self._moved_by_itself
+        table, left = self.running()._moved_by_itself
         table, _ = self._moved(table, {name: factor.condition(chosen) for name, factor in left.items()}, {})
         named = table.renamed({variable.next.name: variable.name for variable in self.model.states})
         return replace(self, table=named, action=chosen)
+
+    def running(self) -> JointBelief:
+        """The belief given that the episode goes on; this very one where it holds no mass in terminal states."""
+        if self.model.running is None:
+            return self
+        table = self.table.product(_laid_out(self.model.running, self.sparse))
+        total = _total(table)
+        if not total > 0:
+            names = [variable.name for variable in self.model.states]
+            raise ImpossibleObservation(names, dict(self.action or {}), {GOES_ON.name: True})
+        return self if total >= _total(self.table) else replace(self, table=table.product(constant(1 / total)))
 
     @cached_property
     def _moved_by_itself(self) -> tuple[Factor, dict[str, Factor]]:
@@ -95,7 +108,7 @@ class JointBelief:
         total = _total(table)
         if not total > 0:
             raise ImpossibleObservation([v.name for v in self.model.states], dict(self.action or {}), observed)
-        return replace(self, table=table.product(constant(1 / total)))
+        return replace(self, table=table.product(constant(1 / total))).running()
 
     def _read(self, table: Factor, variable: Variable, value: Value) -> Factor:
         """The table where a variable was read back; a value other than the only one that was planned replaces it."""

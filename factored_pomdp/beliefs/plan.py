@@ -13,7 +13,7 @@ from factored_pomdp.beliefs.prediction import Prediction
 from factored_pomdp.beliefs.stacks import Stack, stacks_of
 from factored_pomdp.factors.sparse import unflatten
 from factored_pomdp.model import FactoredPOMDP
-from factored_pomdp.structure import Structure, structure_of
+from factored_pomdp.structure import GOES_ON, Structure, structure_of
 from factored_pomdp.variables import Value, Variable, count
 
 __all__ = ["Plan", "Seen", "StackPlan", "plan_of"]
@@ -26,7 +26,7 @@ class Seen:
     Attributes
     ----------
     child : Variable
-        An observation variable of the pattern, or the next value of a known variable.
+        An observation variable of the pattern (or `GOES_ON`), or the next value of a known variable.
     name : str
         The observation's or the known variable's name in the pattern.
     likelihood : Likelihood
@@ -78,7 +78,7 @@ def plan_of(model: FactoredPOMDP) -> Plan:
     """The model's plan, made on first use."""
     if "plan" not in model.derived:
         structure = structure_of(model)
-        observations = {variable.name for variable in model.observations}
+        observations = {GOES_ON.name, *(variable.name for variable in model.observations)}
         stacks = tuple(_stack_plan(stack, observations) for stack in stacks_of(structure.blocks))
         model.derived["plan"] = Plan(structure, stacks)
     plan: Plan = model.derived["plan"]

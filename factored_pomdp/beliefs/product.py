@@ -2,6 +2,9 @@
 
 ``predict`` and ``condition`` are pure: they return a new belief. Cost of a step: the stored entries of the operators,
 once a stack, times its members; memory: one number for each state and member.
+
+Where the model has terminal states, whoever acts is told of the end. So every belief is given that the episode goes on,
+block by block, but for a predicted one, which still holds the mass of what the step may end in.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ from factored_pomdp.beliefs.plan import Plan, StackPlan
 from factored_pomdp.beliefs.roster import Members, Names, Roster
 from factored_pomdp.errors import ImpossibleObservation, did_you_mean
 from factored_pomdp.factors import DenseFactor, DeterministicFactor
+from factored_pomdp.structure import GOES_ON
 from factored_pomdp.variables import Value
 
 __all__ = ["ProductBelief", "Restart"]
@@ -26,6 +30,7 @@ Restart = Callable[[tuple[str, ...], "Float[np.ndarray, '...']", Mapping[str, Va
 """``restart(block, predicted, observation, known)`` gives a contradicted block its new belief, of the block's shape."""
 
 _MOST_MOVES = 10_000
+_ROUNDING = 1e-15
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,10 +84,49 @@ class ProductBelief:
     def predict(self, action: Any) -> ProductBelief:
         """The belief after an action and before its observation (the sum in eq:belup2)."""
         chosen = self.plan.structure.model.action(action)
-        after = self.next_known(chosen)
-        arrays = tuple(self.predicted(number, chosen, after) for number in range(len(self.arrays)))
-        prior = self._with(prior=None) if self.plan.early else None
-        return self._with(known=after, arrays=arrays, action=chosen, before=self.known, prior=prior)
+        start = self.running()
+        after = start.next_known(chosen)
+        arrays = tuple(start.predicted(number, chosen, after) for number in range(len(start.arrays)))
+        prior = start._with(prior=None) if self.plan.early else None
+        return start._with(known=after, arrays=arrays, action=chosen, before=start.known, prior=prior)
+
+    def running(self) -> ProductBelief:
+        """The belief given that the episode goes on; this very one where it holds no mass in terminal states.
+
+        Raises
+        ------
+        ImpossibleObservation
+            Where all the mass of a block, or what is known, says that the episode is over.
+        """
+        self._refuse_the_end(self.known)
+        told = self._told_to_go_on
+        if not told:
+            return self
+        given = {f"{name}.next": value for name, value in self.known.items()}
+        arrays = []
+        for members, array in zip(self.roster.stacks, self.arrays, strict=True):
+            findings = findings_of(members, told, {}, {}, given)
+            arrays.append(self._conditioned(members, array, findings, (told, self.known), None, []))
+        if all(np.allclose(*pair, rtol=0.0, atol=_ROUNDING) for pair in zip(arrays, self.arrays, strict=True)):
+            return self
+        return self._with(arrays=tuple(arrays))
+
+    @property
+    def _told_to_go_on(self) -> dict[str, Value]:
+        """What is observed of hidden variables where an episode goes on."""
+        structure = self.plan.structure
+        return {} if structure.model.running is None or structure.running is not None else {GOES_ON.name: True}
+
+    def _refuse_the_end(self, known: Mapping[str, Value]) -> None:
+        """Refuse to go on where known values alone say that the episode is over."""
+        running = self.plan.structure.running
+        if running is None:
+            return
+        at = {v.now.name: known[v.now.name] for v in running.scope if v != GOES_ON}
+        if None not in at.values() and not running.value(
+            {f"{name}.next": v for name, v in at.items()} | {GOES_ON.name: True}
+        ):
+            raise ImpossibleObservation(at, dict(self.action or {}), {**at, GOES_ON.name: True})
 
     def next_known(self, action: Mapping[str, Value]) -> dict[str, Value]:
         """Values of the known variables after an action, as planned; ``None`` where a parent is not known."""
@@ -137,7 +181,7 @@ class ProductBelief:
     def condition(
         self, observation: Any = None, known: Mapping[str, Value] | None = None, restart: Restart | None = None
     ) -> ProductBelief:
-        """The posterior (eq:belup2) given what was observed, and given the known values that were read back.
+        """The posterior (eq:belup2) given what was observed, the known values that were read back, and that it goes on.
 
         Parameters
         ----------
@@ -164,12 +208,13 @@ class ProductBelief:
         hidden = {name: value for name, value in known.items() if name in places and value is not None}
         actual = self._actual({n: v for n, v in known.items() if n not in places}, observation)
         self._refuse_unknown(observation)
+        self._refuse_the_end(actual)
         reasons = list(self.approximations)
         arrays = []
         before = self.before if self.before is not None else self.known
         given = {**before, **(self.action or {}), **{f"{name}.next": value for name, value in actual.items()}}
         newly = {name: value for name, value in actual.items() if self.known.get(name) is None}
-        told = (observation, actual)
+        told, looked = (observation, actual), {**observation, **self._told_to_go_on}
         for number, (members, array) in enumerate(zip(self.roster.stacks, self.arrays, strict=True)):
             early = findings_of(members, {}, newly, {}, given, early=True) if newly else []
             if early:
@@ -178,7 +223,7 @@ class ProductBelief:
                 arrays_then = (*prior.arrays[:number], weighed, *prior.arrays[number + 1 :])
                 prior = prior._with(arrays=arrays_then)
                 array = prior.predicted(number, self.action or {}, prior.next_known(self.action or {}))
-            findings = findings_of(members, observation, newly, hidden, given)
+            findings = findings_of(members, looked, newly, hidden, given)
             arrays.append(self._conditioned(members, array, findings, told, restart, reasons))
         after = self._with(known=actual, arrays=tuple(arrays), approximations=tuple(dict.fromkeys(reasons)), prior=None)
         return after._projected() if self.project else after
@@ -299,7 +344,7 @@ class ProductBelief:
         twins = {fresh[v.name] for v in plan.variables} & {n for block in self.blocks for n in block}
         if twins:
             raise ValueError(f"{', '.join(sorted(twins))} is in the belief already")
-        observed = [seen.name for seen in plan.seen if not seen.child.is_next]
+        observed = [seen.name for seen in plan.seen if not seen.child.is_next and seen.child != GOES_ON]
         same = [existing.get(name, name) for name in observed if fresh.get(name, name) == existing.get(name, name)]
         if same:
             raise ValueError(f"the new block needs observation variables of its own in place of {', '.join(same)}")

@@ -108,6 +108,11 @@ class FlatModel:
         return np.argsort(self.order)
 
     @cached_property
+    def onward(self) -> list[Any]:
+        """The transition tables turned to carry a belief forward: ``b' = onward[a] @ b``; no copies."""
+        return [matrix.T for matrix in self.transition]
+
+    @cached_property
     def observation_columns(self) -> list[Any]:
         """The observation tables with their columns ready to be taken out."""
         return [matrix.tocsc() for matrix in self.observation]

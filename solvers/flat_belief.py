@@ -45,7 +45,7 @@ class FlatBelief:
     def predict(self, action: Any) -> FlatBelief:
         """``Σ_s P(s' | s, a) b(s)``."""
         number = self.flat.actions.index(self.flat.model.action(action))
-        moved = np.asarray(self.vector @ self.flat.transition[number])
+        moved = np.asarray(self.flat.onward[number] @ self.vector)
         return replace(self, vector=moved, steps=self.steps + 1, action=number)
 
     def condition(self, observation: Any = None, known: Mapping[str, Value] | None = None) -> FlatBelief:
@@ -73,8 +73,14 @@ class FlatBelief:
     def _likelihood(self, action: int, seen: Mapping[str, Value]) -> Float[np.ndarray, " states"]:
         names = [variable.name for variable in self.flat.model.observations]
         if len(seen) == len(names):
-            column = self.flat.column[tuple(seen[name] for name in names)]
-            return self.flat.observation_columns[action][:, [column]].toarray().ravel()
+            columns, column = (
+                self.flat.observation_columns[action],
+                self.flat.column[tuple(seen[name] for name in names)],
+            )
+            stored = slice(columns.indptr[column], columns.indptr[column + 1])
+            likelihood = np.zeros(self.flat.size)
+            likelihood[columns.indices[stored]] = columns.data[stored]
+            return likelihood
         fits = [all(o[name] == value for name, value in seen.items()) for o in self.flat.observations]
         return np.asarray(self.flat.observation[action] @ np.array(fits, dtype=float))
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, wait
+from contextlib import AbstractContextManager, contextmanager
 from typing import Protocol, TypeVar, runtime_checkable
 
 __all__ = ["Clock", "RealClock"]
@@ -29,6 +31,9 @@ class Clock(Protocol):
         on others must do so here. The futures are done: ``result()`` gives what came out, or raises what was raised.
         """
 
+    def alarm(self, seconds: float, ring: Callable[[], None]) -> AbstractContextManager[None]:
+        """Ring, in another thread, if what is done in here takes longer; where no time passes meanwhile, never."""
+
 
 class RealClock:
     """The wall's time."""
@@ -44,3 +49,13 @@ class RealClock:
         futures = [pool.submit(task) for task in tasks]
         wait(futures)
         return futures
+
+    @contextmanager
+    def alarm(self, seconds: float, ring: Callable[[], None]) -> Iterator[None]:
+        timer = threading.Timer(max(seconds, 0.0), ring)
+        timer.daemon = True
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()

@@ -11,6 +11,7 @@ __all__ = [
     "OutsideLimits",
     "Refused",
     "Unreachable",
+    "Untrusted",
 ]
 
 
@@ -44,3 +45,7 @@ class BadPicture(CameraError):
 
 class OutsideLimits(CameraError):
     """Presets that the camera cannot reach; it would clamp them without a word."""
+
+
+class Untrusted(CameraError):
+    """The camera is not who it should be: its certificate is not one that is trusted, or it speaks no TLS."""

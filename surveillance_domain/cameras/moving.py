@@ -1,0 +1,135 @@
+"""Turning a camera to a position: asked once, then watched until it is there and still, or is not going to be.
+
+Only absolute moves are sent, so sending one twice does no harm. All the same, when it is not known whether one came
+through, the position is read before it is sent again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from surveillance_domain.cameras.base import Move, Outcome, Position
+from surveillance_domain.cameras.clock import Clock
+from surveillance_domain.cameras.errors import CameraAway, CameraError, Unreachable
+from surveillance_domain.cameras.retry import pauses_s
+from surveillance_domain.cameras.steadiness import Steadiness
+
+__all__ = ["Motors", "Pace", "drive"]
+
+_SHORTEST_POLL_S = 0.02
+_POLL_S = 0.1
+_LEAST_STALL_S = 1.0
+
+
+class Motors(Protocol):
+    """What a driver must be able to do."""
+
+    steadiness: Steadiness
+
+    def read(self, until: float) -> Position:
+        """The position now, told to `steadiness`; tried again if need be."""
+
+    def send(self, target: Position, until: float) -> None:
+        """Ask for a move, once."""
+
+
+@dataclass(frozen=True)
+class Pace:
+    """When a move counts as over.
+
+    Attributes
+    ----------
+    tolerance_deg : float
+        How near is there.
+    settle_s : float
+        How long it must be still there.
+    travel_s : callable
+        How long a move between two positions takes at least, in seconds; zero where that is not known.
+    """
+
+    tolerance_deg: float
+    settle_s: float
+    travel_s: Callable[[Position, Position], float]
+
+    @property
+    def stall_s(self) -> float:
+        """How long it may be still elsewhere, once asked to move."""
+        return max(_LEAST_STALL_S, 2 * self.settle_s)
+
+
+def drive(motors: Motors, target: Position, pace: Pace, clock: Clock, rng: np.random.Generator, until: float) -> Move:
+    """Turn to a position and wait for the end; never raises for what a camera does.
+
+    Parameters
+    ----------
+    until : float
+        Deadline on the clock.
+    """
+    start = clock.now()
+    trip = _Trip(motors, target, pace, clock, rng, until)
+    try:
+        outcome, because = trip.go()
+    except CameraError as error:
+        outcome, because = Outcome.UNREACHABLE, str(error)
+    return Move(outcome, trip.last, clock.now() - start, because)
+
+
+class _Trip:
+    """One move under way."""
+
+    def __init__(
+        self, motors: Motors, target: Position, pace: Pace, clock: Clock, rng: np.random.Generator, until: float
+    ) -> None:
+        self._motors, self._target, self._pace = motors, target, pace
+        self._clock, self._rng, self._until = clock, rng, until
+        self.last: Position | None = None
+
+    def go(self) -> tuple[Outcome, str]:
+        """Send and watch; what became of it, and why."""
+        here = self._read()
+        if not here.agrees(self._target, self._pace.tolerance_deg):
+            self._send(here)
+        sent = self._clock.now()
+        while True:
+            steady_s = self._motors.steadiness.still_s(self._clock.now())
+            there = here.agrees(self._target, self._pace.tolerance_deg)
+            if there and steady_s >= self._pace.settle_s:
+                return Outcome.REACHED, ""
+            if not there and min(steady_s, self._clock.now() - sent) >= self._pace.stall_s:
+                return Outcome.STALLED, f"it stands at {_shown(here)} instead of {_shown(self._target)}"
+            wait_s = self._pace.settle_s - steady_s if there else self._pace.travel_s(here, self._target) or _POLL_S
+            self._clock.sleep(min(max(wait_s, _SHORTEST_POLL_S), self._until - self._clock.now()))
+            if self._clock.now() >= self._until:
+                return Outcome.TIMED_OUT, f"it was at {_shown(here)} on its way to {_shown(self._target)}"
+            here = self._read()
+
+    def _read(self) -> Position:
+        self.last = self._motors.read(self._until)
+        return self.last
+
+    def _send(self, here: Position) -> None:
+        """Ask for the move; after a failure only if the camera does not move for all that."""
+        for pause_s in pauses_s(self._rng):
+            try:
+                return self._motors.send(self._target, self._until)
+            except CameraAway:
+                raise
+            except Unreachable:
+                if self._clock.now() + pause_s >= self._until:
+                    raise
+            self._clock.sleep(pause_s)
+            now_at = self._read()
+            if not now_at.agrees(here, self._pace.tolerance_deg) or now_at.agrees(
+                self._target, self._pace.tolerance_deg
+            ):
+                return None
+        return self._motors.send(self._target, self._until)
+
+
+def _shown(position: Position) -> str:
+    zoom = "" if position.zoom is None else f", zoom {position.zoom:g}"
+    return f"pan {position.pan:g}, tilt {position.tilt:g}{zoom}"

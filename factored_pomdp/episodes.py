@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any, TextIO
+from typing import Any, NamedTuple, TextIO
 
 import numpy as np
 
@@ -14,10 +14,25 @@ from factored_pomdp.simulation import Simulation
 from factored_pomdp.trace import record
 from factored_pomdp.variables import Value
 
-__all__ = ["Returns", "episodes", "largest_reward", "steps_that_matter"]
+__all__ = ["Episode", "Returns", "episodes", "largest_reward", "read_back", "steps_that_matter"]
 
 _LEFT_OUT = 1e-3
 _MOST_STEPS = 100_000
+
+
+class Episode(NamedTuple):
+    """One run.
+
+    Attributes
+    ----------
+    total : float
+        Its discounted return.
+    ended : bool
+        Whether it came to a terminal state; else it was cut.
+    """
+
+    total: float
+    ended: bool
 
 
 def largest_reward(model: FactoredPOMDP) -> float:
@@ -36,8 +51,8 @@ def steps_that_matter(model: FactoredPOMDP) -> int:
 
 def episodes(
     model: FactoredPOMDP, actor: Any, runs: int, steps: int, seed: int, trace: TextIO | None = None
-) -> Iterator[float]:
-    """The discounted return of each run.
+) -> Iterator[Episode]:
+    """Runs, one by one.
 
     Parameters
     ----------
@@ -63,14 +78,14 @@ def episodes(
                 trace.write(json.dumps(line, ensure_ascii=False) + "\n")
             total += weight * reward
             weight *= model.discount
-            ended = model.is_terminal(after)
-            if not ended:
-                belief = belief.predict(decision.action).condition(seen, known=_read_back(model, after))
+            if not model.is_terminal(after):
+                belief = belief.predict(decision.action).condition(seen, known=read_back(model, after))
             state = after
-        yield total
+        yield Episode(total, model.is_terminal(state))
 
 
-def _read_back(model: FactoredPOMDP, state: Mapping[str, Value]) -> dict[str, Value]:
+def read_back(model: FactoredPOMDP, state: Mapping[str, Value]) -> dict[str, Value]:
+    """What is read back in a state, beside the observation."""
     from factored_pomdp.beliefs.plan import plan_of
 
     known = plan_of(model).structure.known
@@ -80,23 +95,44 @@ def _read_back(model: FactoredPOMDP, state: Mapping[str, Value]) -> dict[str, Va
 class Returns:
     """Discounted returns, gathered one by one.
 
+    Parameters
+    ----------
+    steps : int
+        After which runs are cut.
+
     Attributes
     ----------
-    truncation_error : float
-        What further steps could have added or taken away at the most; nothing where every run ended of itself.
+    cut : int
+        Runs that had not come to a terminal state by then (without terminal states: all).
     """
 
     def __init__(self, model: FactoredPOMDP, steps: int) -> None:
+        self.cut = 0
+        self._model, self._steps = model, steps
         self._totals: list[float] = []
-        rest = model.discount**steps / (1 - model.discount) if model.discount < 1 else math.inf
-        self.truncation_error = rest * largest_reward(model) if model.discount < 1 else 0.0
 
     def __len__(self) -> int:
         return len(self._totals)
 
-    def add(self, total: float) -> None:
+    def add(self, episode: Episode) -> None:
         """One more run."""
-        self._totals.append(total)
+        self._totals.append(episode.total)
+        self.cut += not episode.ended
+
+    @property
+    def truncation_error(self) -> float:
+        """What further steps could have added to the mean, or taken away, at the most.
+
+        Runs that ended of themselves leave nothing out. Of runs that were cut nothing is known where the discount is 1
+        (infinity), unless the model has no terminal states: then the number of steps is the problem's own horizon.
+        """
+        discount = self._model.discount
+        if not self.cut or (discount >= 1 and self._model.terminal is None):
+            return 0.0
+        if discount >= 1:
+            return math.inf
+        rest = discount**self._steps / (1 - discount) * largest_reward(self._model)
+        return rest * self.cut / len(self)
 
     @property
     def mean(self) -> float:

@@ -58,6 +58,11 @@ class Simulation:
         reward : float
             Of this very transition and observation, not its expectation.
 
+        Raises
+        ------
+        ValueError
+            For an action that is not legal in the state.
+
         Notes
         -----
         Where ``model.is_terminal(next state)``, the episode is over. A step from a terminal state stays there and earns
@@ -66,11 +71,19 @@ class Simulation:
         given: Assignment = {**state, **self.model.action(action)}
         if self.model.is_terminal(state):
             return self._stay(given, rng)
+        self._refuse_illegal(given)
         for sampler in (*self._transition, *self._observation):
             given[sampler.child.name] = sampler.draw(given, rng)
         reward = sum(factor.value(given) for factor in self.model.reward.values())
         after = {variable.name: given[variable.next.name] for variable in self.model.states}
         return after, {variable.name: given[variable.name] for variable in self.model.observations}, reward
+
+    def _refuse_illegal(self, given: Mapping[str, Value]) -> None:
+        for name, rule in self.model.legal.items():
+            if not rule.value(given):
+                at = ", ".join(f"{other}={given[other]!r}" for other in rule.names if other != name)
+                legal = [value for value in rule.variable(name).values if rule.value({**given, name: value})]
+                raise ValueError(f"{name}={given[name]!r} is not legal at {at}; legal: {', '.join(map(repr, legal))}")
 
     def _stay(self, given: Assignment, rng: np.random.Generator) -> tuple[Assignment, Assignment, float]:
         state = {variable.name: given[variable.name] for variable in self.model.states}

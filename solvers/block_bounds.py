@@ -5,7 +5,8 @@ through the actions. Were each block free to choose all actions for itself alone
 joint policy: so ``V ≤ Σ_k V_k`` with V_k the optimal value of block k with the known variables that it reads. The
 block's value is bounded by the point-based search (with a horizon: by the fast informed bound), or, where even the
 block is too large to flatten, by its largest reward in every step. Rewards of known variables and actions alone are
-bounded this last way.
+bounded this last way. Where a model has terminal states, a block's rewards end with the episode, which is not up to it:
+then every part is bounded this last way, and by nothing where all its rewards are costs.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ def block_bound(
     """
     structure = plan_of(model).structure
     steps = float(horizon) if model.discount >= 1 and horizon is not None else _steps(model.discount, horizon)
-    total = steps * sum(_largest(reward) for _, reward in structure.free_rewards)
+    total = steps * sum(_largest(model, reward) for _, reward in structure.free_rewards)
     notes: dict[str, int] = {}
     share = 1.0 if seconds is None else max(seconds, 1e-3) / max(1, len(structure.blocks))
     for block in structure.blocks:
@@ -86,8 +87,8 @@ def block_model(model: FactoredPOMDP, block: Block) -> FactoredPOMDP | None:
 
 
 def _bound_of(model: FactoredPOMDP, block: Block, limits: Limits, steps: float) -> tuple[float, str]:
-    simple = steps * sum(_largest(reward) for _, reward in block.rewards)
-    alone = block_model(model, block)
+    simple = steps * sum(_largest(model, reward) for _, reward in block.rewards)
+    alone = block_model(model, block) if model.terminal is None else None
     if alone is None or not can_flatten(alone):
         return simple, "its largest reward in every step"
     if limits.horizon is None:
@@ -108,5 +109,6 @@ def _steps(discount: float, horizon: int | None) -> float:
     return (1 - discount**horizon) / (1 - discount)
 
 
-def _largest(reward: Factor) -> float:
-    return float(np.max(reward.sparse().numbers, initial=0.0 if reward.stored < reward.size else -np.inf))
+def _largest(model: FactoredPOMDP, reward: Factor) -> float:
+    nothing_is_possible = reward.stored < reward.size or model.terminal is not None
+    return float(np.max(reward.sparse().numbers, initial=0.0 if nothing_is_possible else -np.inf))

@@ -122,6 +122,15 @@ class FlatModel:
         """Number of a joint observation, by its values."""
         return {tuple(seen.values()): number for number, seen in enumerate(self.observations)}
 
+    @cached_property
+    def running(self) -> Bool[np.ndarray, " states"] | None:
+        """Which rows are no terminal states; ``None`` where no state is terminal."""
+        if self.model.running is None:
+            return None
+        shape = [variable.size for variable in self.model.states]
+        table = np.broadcast_to(self.model.running.array_over(self.model.states), shape)
+        return np.asarray(table.ravel()[self.order] > 0)
+
     def has_value(self, name: str, value: Value) -> Bool[np.ndarray, " states"]:
         """Which rows have a value of one state variable."""
         shape = [variable.size for variable in self.model.states]

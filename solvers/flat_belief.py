@@ -12,6 +12,7 @@ from jaxtyping import Float
 from factored_pomdp.beliefs import JointBelief, ProductBelief
 from factored_pomdp.beliefs.comparison import joint_of
 from factored_pomdp.errors import ImpossibleObservation
+from factored_pomdp.structure import GOES_ON
 from factored_pomdp.variables import Value
 from solvers.flat import FlatModel
 
@@ -20,7 +21,7 @@ __all__ = ["FlatBelief", "vector_of"]
 
 @dataclass(frozen=True, eq=False)
 class FlatBelief:
-    """A belief as a vector.
+    """A belief as a vector; as in the other beliefs, it is given that the episode goes on.
 
     Attributes
     ----------
@@ -40,7 +41,7 @@ class FlatBelief:
     @classmethod
     def initial(cls, flat: FlatModel) -> FlatBelief:
         """The model's initial belief."""
-        return cls(flat, flat.initial)
+        return cls(flat, flat.initial)._running()
 
     def predict(self, action: Any) -> FlatBelief:
         """``Σ_s P(s' | s, a) b(s)``."""
@@ -61,7 +62,17 @@ class FlatBelief:
         if not total > 0:
             names = [variable.name for variable in self.flat.model.states]
             raise ImpossibleObservation(names, self.flat.actions[self.action or 0], {**seen, **(known or {})})
-        return replace(self, vector=weights / total)
+        return replace(self, vector=weights / total)._running()
+
+    def _running(self) -> FlatBelief:
+        if self.flat.running is None:
+            return self
+        going_on = np.where(self.flat.running, self.vector, 0.0)
+        total = going_on.sum()
+        if not total > 0:
+            names = [variable.name for variable in self.flat.model.states]
+            raise ImpossibleObservation(names, self.flat.actions[self.action or 0], {GOES_ON.name: True})
+        return replace(self, vector=going_on / total)
 
     def marginal(self, name: str) -> Float[np.ndarray, " values"]:
         """Probabilities of one state variable's values."""

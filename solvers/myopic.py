@@ -35,7 +35,7 @@ _MOST_STATES = 20_000_000
 
 
 class DecomposedMyopic:
-    """Maximises the expected reward of the next step over a `ProductBelief`.
+    """Maximises the expected reward of the next step over a `ProductBelief`, given that the episode goes on.
 
     Parameters
     ----------
@@ -109,6 +109,7 @@ class DecomposedMyopic:
 
     def local_functions(self, belief: ProductBelief) -> list[Factor]:
         """Functions of action variables whose sum is V(B, ·)."""
+        belief = belief.running()
         known = belief.known
         functions = [
             self._of_actions(f.condition(_given(f, known)), known) for _, f in self.plan.structure.free_rewards

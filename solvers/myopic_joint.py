@@ -33,7 +33,7 @@ Action = dict[str, Value]
 
 
 class JointMyopic:
-    """Maximises the expected reward of the next step over a `JointBelief`.
+    """Maximises the expected reward of the next step over a `JointBelief`, given that the episode goes on.
 
     Parameters
     ----------
@@ -99,10 +99,12 @@ class JointMyopic:
 
     def values(self, belief: JointBelief) -> list[tuple[Action, float]]:
         """Every joint action that is legal where the belief has mass, and what it is worth."""
-        return [(action, self.value(belief, action)) for action in self._actions(belief)]
+        going_on = belief.running()
+        return [(action, self.value(going_on, action)) for action in self._actions(going_on)]
 
     def value(self, belief: JointBelief, action: Mapping[str, Value]) -> float:
         """V(B, A) of eq:policy2, plus the part of the reward that reads the current state."""
+        belief = belief.running()
         predicted = belief.predict(action).table
         ahead = [reward for reward in self.model.reward.values() if not self._reads_current(reward)]
         rewards = [reward.condition(action).renamed(self._now) for reward in ahead]

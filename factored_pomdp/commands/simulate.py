@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -63,12 +64,14 @@ def simulate(
     if len(returns) < 2:
         raise KeyboardInterrupt
     low, high = returns.interval(0.95)
+    left_out = returns.truncation_error
     content = {
         "mean": returns.mean,
         "ci95": [low, high],
         "runs": len(returns),
         "steps": length,
-        "truncation_error": returns.truncation_error,
+        "cut": returns.cut,
+        "truncation_error": left_out if math.isfinite(left_out) else None,
         "policy": policy,
         "interrupted": interrupted,
         **carried,
@@ -77,7 +80,10 @@ def simulate(
     rows.add_row("mean discounted return", f"{returns.mean:.6g}")
     rows.add_row("95 % interval", f"[{low:.6g}, {high:.6g}]")
     rows.add_row("runs of steps", f"{len(returns):,} of {length:,}")
-    rows.add_row("left out by ending there, at the most", f"{returns.truncation_error:.3g}")
+    if loaded.terminal is not None:
+        rows.add_row("cut before the episode ended", f"{returns.cut:,}")
+    bound = f"{left_out:.3g}" if math.isfinite(left_out) else "no bound at discount 1"
+    rows.add_row("left out by cutting, at the most", bound)
     answer(content, [rows], as_json=as_json)
     if interrupted:
         raise typer.Exit(INTERRUPTED)

@@ -23,6 +23,7 @@ __all__ = ["Motors", "Pace", "drive"]
 _SHORTEST_POLL_S = 0.02
 _POLL_S = 0.1
 _LEAST_STALL_S = 1.0
+_ROUNDING_S = 1e-6
 
 
 class Motors(Protocol):
@@ -97,7 +98,7 @@ class _Trip:
         while True:
             steady_s = self._motors.steadiness.still_s(self._clock.now())
             there = here.agrees(self._target, self._pace.tolerance_deg)
-            if there and steady_s >= self._pace.settle_s:
+            if there and steady_s >= self._pace.settle_s - _ROUNDING_S:
                 return Outcome.REACHED, ""
             if not there and min(steady_s, self._clock.now() - sent) >= self._pace.stall_s:
                 return Outcome.STALLED, f"it stands at {_shown(here)} instead of {_shown(self._target)}"

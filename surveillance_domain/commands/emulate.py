@@ -1,0 +1,56 @@
+"""``surveillance emulate``: the cameras of a site, emulated on loopback, for people to try their own software on."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from factored_pomdp.commands.answers import AsJson, InputError, answer, side_console, table
+from surveillance_domain.commands.options import Seed, SiteName, Truth, TruthChoice, input_checked
+
+__all__ = ["emulate"]
+
+
+def emulate(
+    site: SiteName,
+    targets: Annotated[int, typer.Option(min=1, max=50, help="How many move there.")] = 3,
+    port: Annotated[int, typer.Option(min=0, max=65_000, help="Of the first camera; 0: any that are free.")] = 0,
+    seconds: Annotated[float, typer.Option(min=0, help="How long; 0: until Ctrl-C.")] = 0,
+    seed: Seed = 0,
+    truth: TruthChoice = Truth.continuous,
+    as_json: AsJson = False,
+) -> None:
+    """Start the emulated cameras of a site and print their addresses; Ctrl-C ends them."""
+    import numpy as np
+
+    from surveillance_domain.cameras.clock import RealClock
+    from surveillance_domain.commands.options import truth_kind
+    from surveillance_domain.commands.stopping import until_stopped
+    from surveillance_domain.emulation.site import PASSWORD, USERNAME, EmulatedSite
+    from surveillance_domain.model.views import build_views
+    from surveillance_domain.site.load import load_site
+
+    with input_checked():
+        found = load_site(site)
+        build_views(found)
+    try:
+        emulated = EmulatedSite(
+            found, targets, RealClock(), np.random.default_rng(seed), truth_kind(truth), first_port=port
+        )
+    except OSError as problem:
+        raise InputError(f"--port {port}: {(problem.strerror or str(problem)).lower()}; give another, or 0") from None
+    except ModuleNotFoundError as problem:
+        if problem.name != "cv2":
+            raise
+        raise InputError("emulated cameras need OpenCV: pip install 'factored-pomdp[vision]'") from None
+    with emulated:
+        cameras = [{"name": name, "url": server.url} for name, server in emulated.servers.items()]
+        shown = table("camera", "url", "picture")
+        for camera in cameras:
+            shown.add_row(camera["name"], camera["url"], f"{camera['url']}/axis-cgi/jpg/image.cgi")
+        content = {"site": found.name, "targets": targets, "username": USERNAME, "password": PASSWORD}
+        answer({**content, "cameras": cameras}, [shown, f"User {USERNAME}, password {PASSWORD}."], as_json=as_json)
+        if not seconds:
+            side_console().print("Ctrl-C ends them.")
+        until_stopped(seconds or None)

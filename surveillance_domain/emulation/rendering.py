@@ -1,0 +1,128 @@
+"""Pictures of an emulated site: what a pinhole sees of floor, walls and targets, with the noise of its sensor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float, UInt8
+
+from surveillance_domain.emulation.canvas import Canvas
+from surveillance_domain.emulation.solids import Face, box, walls
+from surveillance_domain.emulation.textures import MARKER_SHARE, floor, marker_top
+from surveillance_domain.model.looks import Look
+from surveillance_domain.model.pinhole import Pinhole
+from surveillance_domain.site.site import Site
+
+__all__ = ["Renderer"]
+
+_WALL_M = 2.4
+_WALL = (205, 198, 184)
+_BEYOND = (90, 84, 78)
+_PERSON_SIDE_M, _PERSON_HEIGHT_M = 0.45, 1.7
+_SPARE = 256
+
+
+class Renderer:
+    """Draws a site.
+
+    Targets are boxes: where the site has markers, as high as those lie and 1 / 0.6 of a marker wide, with the marker
+    on the coloured top, its upper edge to the left of where the target heads; otherwise as large as people.
+
+    Parameters
+    ----------
+    site : Site
+    looks : sequence of Look
+        Of the targets.
+    rng : numpy.random.Generator
+        For the texture of the floor and the noise.
+    noise : float
+        Standard deviation of a pixel, of 255.
+    """
+
+    def __init__(self, site: Site, looks: Sequence[Look], rng: np.random.Generator, noise: float = 3.0) -> None:
+        self._looks, self._rng, self._noise = tuple(looks), rng, noise
+        self._sheet: np.ndarray | None = None
+        self._floor = floor(site.grid, rng)
+        self._walls = walls(site.grid, _WALL_M, _WALL)
+        self._side_m, self._height_m = _PERSON_SIDE_M, _PERSON_HEIGHT_M
+        self._tops: list[np.ndarray | None] = [None] * len(self._looks)
+        if site.markers is not None:
+            self._side_m = site.markers.side_m / MARKER_SHARE
+            self._height_m = max(site.markers.height_m, 1e-3)
+            dictionary = site.markers.dictionary
+            self._tops = [None if k.marker is None else marker_top(dictionary, k.marker, k.colour) for k in self._looks]
+
+    def picture(
+        self, pinhole: Pinhole, places_m: Float[np.ndarray, "targets 2"], headings_rad: Float[np.ndarray, " targets"]
+    ) -> UInt8[np.ndarray, "height width 3"]:
+        """What the camera sees, blue, green and red.
+
+        Parameters
+        ----------
+        pinhole : Pinhole
+        places_m : (targets, 2) float
+            x and y in metres.
+        headings_rad : (targets,) float
+            Counter-clockwise from +x.
+        """
+        canvas = Canvas(pinhole, *self._ground(pinhole))
+        for face in (*self._walls, *self._targets(places_m, headings_rad)):
+            canvas.paint(face)
+        return self._sensed(canvas.picture)
+
+    def jpeg(
+        self,
+        pinhole: Pinhole,
+        places_m: Float[np.ndarray, "targets 2"],
+        headings_rad: Float[np.ndarray, " targets"],
+        compression: int = 20,
+    ) -> bytes:
+        """The same as a JPEG; ``compression`` goes from 0 to 100, as cameras count it."""
+        import cv2
+
+        quality = [cv2.IMWRITE_JPEG_QUALITY, max(5, 100 - compression)]
+        _, encoded = cv2.imencode(".jpg", self.picture(pinhole, places_m, headings_rad), quality)
+        return encoded.tobytes()
+
+    def _targets(
+        self, places_m: Float[np.ndarray, "targets 2"], headings_rad: Float[np.ndarray, " targets"]
+    ) -> list[Face]:
+        faces: list[Face] = []
+        for look, top, place, heading in zip(self._looks, self._tops, places_m, headings_rad, strict=True):
+            faces += box(place, float(heading), self._side_m, self._height_m, look.colour, top)
+        return faces
+
+    def _ground(self, pinhole: Pinhole) -> tuple[np.ndarray, np.ndarray]:
+        """The floor up to the horizon, and 1 / depth of every pixel of it."""
+        import cv2
+
+        to_floor = pinhole.homography()
+        (x, y), scale = self._floor.corner_m, self._floor.px_per_m
+        rows = self._floor.texture.shape[0]
+        to_texture = np.array([[scale, 0, -x * scale - 0.5], [0, -scale, rows + y * scale - 0.5], [0, 0, 1]]) @ to_floor
+        picture = cv2.warpPerspective(
+            self._floor.texture,
+            to_texture,
+            (pinhole.width, pinhole.height),
+            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+            borderMode=cv2.BORDER_CONSTANT,
+            borderValue=_BEYOND[::-1],
+        )
+        u, v = np.arange(pinhole.width), np.arange(pinhole.height)
+        inverse_depth = to_floor[2, 0] * u[None, :] + to_floor[2, 1] * v[:, None] + to_floor[2, 2]
+        picture[inverse_depth <= 0] = _BEYOND[::-1]
+        return picture, np.maximum(inverse_depth, 0.0)
+
+    def _sensed(self, picture: np.ndarray) -> np.ndarray:
+        """With noise, each time another cutting of one large sheet of it."""
+        import cv2
+
+        if self._noise == 0:
+            return picture
+        height, width = picture.shape[:2]
+        if self._sheet is None or self._sheet.shape[0] < height + _SPARE or self._sheet.shape[1] < width + _SPARE:
+            shape = (height + _SPARE, width + _SPARE, 3)
+            self._sheet = np.rint(self._noise * self._rng.standard_normal(shape, dtype=np.float32)).astype(np.int16)
+        top, left = self._rng.integers(0, _SPARE, size=2)
+        return cv2.add(picture, self._sheet[top : top + height, left : left + width], dtype=cv2.CV_8U)

@@ -15,7 +15,7 @@ __all__ = ["additive_parts", "multiplicative_parts"]
 
 _SAME = 1e-12
 _MOST_GROUPS = 6
-_MOST_ENTRIES = 5_000_000
+_MOST_ENTRIES = 20_000_000
 
 Group = tuple[Variable, ...]
 
@@ -64,23 +64,29 @@ def multiplicative_parts(factor: Factor, groups: Sequence[Group]) -> list[tuple[
     """Write a likelihood as a product of parts over groups, slice by slice of its context.
 
     A slice ``f(A, B)`` is a product iff ``f · total = (row sum) ⊗ (column sum)``. The finest partition is the common
-    refinement of the two-way splits, which are all tried for up to six groups.
+    refinement of the two-way splits. Groups that split off alone are found first; of the others, if no more than six
+    are left, every two-way split is tried.
 
     Returns
     -------
     as `additive_parts`; the product of the parts is the factor.
     """
     whole = [(list(range(len(groups))), factor)]
-    if not 2 <= len(groups) <= _MOST_GROUPS or factor.size > _MOST_ENTRIES:
+    if len(groups) < 2 or factor.size > _MOST_ENTRIES:
         return whole
     context = tuple(variable for variable in factor.scope if not any(variable in group for group in groups))
     shape = (count(context), *(count(group) for group in groups))
     array = factor.array_over([*context, *itertools.chain(*groups)]).reshape(shape)
-    labels = [0] * len(groups)
-    for mask in range(1, 2 ** (len(groups) - 1)):
-        side = [number for number in range(len(groups)) if mask >> number & 1]
-        if _splits(array, side):
-            labels = [2 * label + (number in side) for number, label in enumerate(labels)]
+    left, labels, rest = [], [0] * len(groups), array
+    for number in range(len(groups)):
+        if _splits(rest, [number]):
+            labels[number], rest = number + 1, rest.sum(axis=number + 1, keepdims=True)
+        else:
+            left.append(number)
+    for size in range(2, len(left) // 2 + 1 if len(left) <= _MOST_GROUPS else 0):
+        for side in itertools.combinations(left, size):
+            if _splits(rest, list(side)):
+                labels = [2 * label + (number in side) for number, label in enumerate(labels)]
     if len(set(labels)) == 1:
         return whole
     parts: list[tuple[list[int], Factor]] = []

@@ -74,3 +74,16 @@ def test_a_slice_of_zeros_is_no_tie() -> None:
     parts = multiplicative_parts(seen, [(p,), (r,)])
     assert len(parts) == 2
     np.testing.assert_allclose(parts[0][1].product(parts[1][1]).array_over([CONTEXT, p, r]), seen.array)
+
+
+@pytest.mark.example
+def test_eight_groups_two_of_them_tied() -> None:
+    rng = np.random.default_rng(4)
+    variables = [Variable(f"x{number}", range(2)) for number in range(8)]
+    tied = DenseFactor(variables[2:4], [[0.9, 0.1], [0.2, 0.8]])
+    alone = [DenseFactor([variable], rng.random(2)) for variable in (*variables[:2], *variables[4:])]
+    whole = functools.reduce(lambda a, b: a.product(b), [tied, *alone])
+    found = multiplicative_parts(whole, [(variable,) for variable in variables])
+    assert sorted(component for component, _ in found) == [[0], [1], [2, 3], [4], [5], [6], [7]]
+    again = functools.reduce(lambda a, b: a.product(b), (part for _, part in found))
+    np.testing.assert_allclose(again.array_over(variables), whole.array_over(variables), rtol=1e-9)

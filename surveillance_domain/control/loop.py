@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import count, islice
 from time import perf_counter
 
 from surveillance_domain.control.base import Choice, Controller
 from surveillance_domain.world.base import Sighting, World
 
-__all__ = ["Step", "run_loop"]
+__all__ = ["Step", "run_loop", "turns"]
 
 
 @dataclass(frozen=True)
@@ -42,18 +43,9 @@ class Step:
         return len(self.sighting.observations)
 
 
-def run_loop(
-    world: World, controller: Controller, steps: int, each: Callable[[Step], None] | None = None
-) -> list[Step]:
-    """Choose, move, observe, learn; ``steps`` times.
-
-    Parameters
-    ----------
-    each : callable, optional
-        Told of every step when it is over.
-    """
-    record = []
-    for number in range(1, steps + 1):
+def turns(world: World, controller: Controller) -> Iterator[Step]:
+    """Choose, move, observe, learn; for ever, one step each time that one is asked for."""
+    for number in count(1):
         started = perf_counter()
         choice = controller.choose()
         chosen = perf_counter()
@@ -62,7 +54,22 @@ def run_loop(
         seen = perf_counter()
         controller.see(sighting)
         spent = (chosen - started) + (perf_counter() - seen)
-        record.append(Step(number, choice, sighting, 1000 * spent))
+        yield Step(number, choice, sighting, 1000 * spent)
+
+
+def run_loop(
+    world: World, controller: Controller, steps: int, each: Callable[[Step], None] | None = None
+) -> list[Step]:
+    """The loop for a number of steps.
+
+    Parameters
+    ----------
+    each : callable, optional
+        Told of every step when it is over.
+    """
+    record = []
+    for step in islice(turns(world, controller), steps):
+        record.append(step)
         if each is not None:
-            each(record[-1])
+            each(step)
     return record

@@ -27,12 +27,15 @@ class Sighting:
         When, on the world's clock.
     static : dict
         What static wide-view cameras report, where the site has some; only the controller MSP reads it.
+    held : frozenset of str
+        Cameras that people have, which will get no commands for now.
     """
 
     observations: Mapping[str, Cell | None]
     views: Mapping[str, str | None]
     time_s: float
     static: Mapping[str, Cell | None] = field(default_factory=dict)
+    held: frozenset[str] = frozenset()
 
 
 @runtime_checkable

@@ -1,0 +1,39 @@
+"""What looks through the cameras of a network, one camera at a time, and then makes one sighting of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+from surveillance_domain.cameras.base import Camera, Position
+from surveillance_domain.world.base import Cell
+
+__all__ = ["Eyes", "Look"]
+
+
+@dataclass(frozen=True)
+class Look:
+    """What one camera brought back.
+
+    Attributes
+    ----------
+    position : Position
+        Where it looked, read back with the look itself.
+    found : object
+        For whoever made it: detections in a picture, say.
+    """
+
+    position: Position
+    found: Any = None
+
+
+@runtime_checkable
+class Eyes(Protocol):
+    """Looks, and says which targets were seen where."""
+
+    def look(self, camera: Camera, budget_s: float) -> Look:
+        """Look through one camera, in that camera's own thread; raises `CameraError` where that fails."""
+
+    def seen(self, looks: Mapping[str, Look], views: Mapping[str, str | None]) -> dict[str, Cell | None]:
+        """For every target the cell at which the cameras with a view saw it; ``None``: none of them did."""

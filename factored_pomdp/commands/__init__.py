@@ -18,6 +18,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     from factored_pomdp.commands.decompose import decompose
     from factored_pomdp.commands.domains import domains
     from factored_pomdp.commands.info import info
+    from factored_pomdp.commands.new_domain import new_domain
     from factored_pomdp.commands.simulate import simulate
     from factored_pomdp.commands.solve import solve
     from factored_pomdp.commands.solvers import solvers
@@ -31,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-    for command in (domains, info, decompose, verify, solvers, solve, simulate, convert):
+    for command in (domains, info, decompose, verify, solvers, solve, simulate, convert, new_domain):
         application.command()(answers.guarded(command))
     given = list(sys.argv[1:] if arguments is None else arguments)
     token = answers.COMMAND_LINE.set(shlex.join(["factored-pomdp", *given]))

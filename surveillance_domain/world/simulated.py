@@ -10,16 +10,15 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
 
 from surveillance_domain.model.reachability import reachable
 from surveillance_domain.model.views import static_views
 from surveillance_domain.world.base import Cell, Sighting
+from surveillance_domain.world.detections import Detections
 from surveillance_domain.world.truth import Truth
 
 if TYPE_CHECKING:
-    from scipy.sparse import csr_array
-
     from surveillance_domain.model.build import Surveillance
 
 __all__ = ["SimulatedWorld"]
@@ -40,14 +39,13 @@ class SimulatedWorld:
 
     def __init__(self, surveillance: Surveillance, truth: Truth, rng: np.random.Generator) -> None:
         self.truth = truth
-        self._site, self._views, self._targets = surveillance.site, surveillance.views, surveillance.targets
-        self._kernels = _kernels(surveillance)
-        self._order = sorted(range(len(self._site.cameras)), key=lambda camera: self._views.noise_m[camera])
+        self._site, self._targets = surveillance.site, surveillance.targets
         self._reach = [reachable(camera, self._site.control.step_s) for camera in self._site.cameras]
         self._static = static_views(self._site)
         self._preset = {camera.name: 0 for camera in self._site.cameras}
         eyes, watch = rng.spawn(2)
-        self._eyes, self._watch = eyes.spawn(len(self._targets)), watch.spawn(len(self._targets))
+        self._detections = Detections(surveillance, eyes.spawn(len(self._targets)))
+        self._watch = watch.spawn(len(self._targets))
         self._steps = 0
 
     def move(self, presets: Mapping[str, str]) -> None:
@@ -75,26 +73,10 @@ class SimulatedWorld:
         self.truth = self.truth.step()
         self._steps += 1
         cells = self.truth.cells
-        draws = [eyes.random(2 * len(self._order)) for eyes in self._eyes]
-        found = [self._detected(int(cell), luck) for cell, luck in zip(cells, draws, strict=True)]
+        seen = self._detections.draw(self._preset, cells)
         views = {c.name: c.presets[self._preset[c.name]].name for c in self._site.cameras}
         static = self._static_sighting(cells)
-        seen = dict(zip(self._targets, found, strict=True))
         return Sighting(seen, views, self._steps * self._site.control.step_s, static)
-
-    def _detected(self, cell: int, luck: Float[np.ndarray, " draws"]) -> Cell | None:
-        """The first camera, in order of noise, that detects decides which cell is reported."""
-        for position, camera in enumerate(self._order):
-            preset = self._preset[self._site.cameras[camera].name]
-            if luck[2 * position] < self._views.detection[camera][preset, cell]:
-                kernel = self._kernels[camera]
-                if kernel is None:
-                    return self._cell(cell)
-                start, end = kernel.indptr[cell], kernel.indptr[cell + 1]
-                row = np.cumsum(kernel.data[start:end])
-                drawn = int(np.searchsorted(row, luck[2 * position + 1] * row[-1], side="right"))
-                return self._cell(int(kernel.indices[start + min(drawn, end - start - 1)]))
-        return None
 
     def _static_sighting(self, cells: Int[np.ndarray, " targets"]) -> dict[str, Cell | None]:
         """Every target that some static camera sees, with noise σ₀ + κ · distance of the surest one, on a free cell."""
@@ -120,12 +102,3 @@ class SimulatedWorld:
     def _cell(self, number: int) -> Cell:
         column, row = self._site.grid.cells[number]
         return int(column), int(row)
-
-
-def _kernels(surveillance: Surveillance) -> list[csr_array | None]:
-    """Confusion of each camera; ``None`` for exact ones."""
-    from surveillance_domain.model.confusion import confusion_kernel
-
-    noise = surveillance.views.noise_m
-    made = {sigma: confusion_kernel(surveillance.site.grid, sigma) for sigma in set(noise) if sigma > 0}
-    return [made.get(sigma) for sigma in noise]

@@ -204,6 +204,8 @@ class _Search:
 
     def _going_on(self, belief: Belief, context: Mapping[str, Any]) -> Belief | None:
         """The belief without values at which the episode could be over; ``None`` if it then has none left."""
+        if self.structure.is_over(context["known"]):
+            return None
         if self._running is None:
             return belief
         left, running = dict(belief), self._running.condition(context["known"])

@@ -14,7 +14,7 @@ tie. What the others do after the end concerns nobody, so nothing has to freeze 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -25,7 +25,7 @@ from factored_pomdp.influence import Influences
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.separation import additive_parts, multiplicative_parts
 from factored_pomdp.validation import is_certain
-from factored_pomdp.variables import Variable
+from factored_pomdp.variables import Value, Variable
 
 __all__ = ["GOES_ON", "Block", "Join", "Structure", "structure_of"]
 
@@ -116,6 +116,13 @@ class Structure:
     laws: dict[str, Factor]
     free_rewards: list[tuple[str, Factor]]
     running: Factor | None
+
+    def is_over(self, known: Mapping[str, Value | None]) -> bool:
+        """Whether known values alone say that the episode is over; those that could not be read say nothing."""
+        if self.running is None:
+            return False
+        at = {variable.name: known.get(variable.now.name) for variable in self.running.scope if variable != GOES_ON}
+        return None not in at.values() and not self.running.value({**at, GOES_ON.name: True})
 
 
 def structure_of(model: FactoredPOMDP) -> Structure:

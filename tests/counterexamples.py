@@ -11,6 +11,7 @@ import pytest
 
 import factored_pomdp as fp
 from factored_pomdp.decomposition import Tie
+from factored_pomdp.structure import GOES_ON
 from tests.plain import PlainModel
 
 __all__ = ["confirm"]
@@ -25,9 +26,12 @@ def confirm(model: fp.FactoredPOMDP, tie: Tie) -> None:
 
 
 def _belief(model: fp.FactoredPOMDP, tie: Tie, shown: Assignment) -> None:
-    assert tie.kind == "initial"
+    assert tie.kind in ("initial", "terminal")
     plain = PlainModel(model)
-    masses = {tuple(state.values()): plain.initial(state) for state in plain.states}
+    over = model.is_terminal if tie.kind == "terminal" else lambda state: False
+    masses = {tuple(state.values()): 0.0 if over(state) else plain.initial(state) for state in plain.states}
+    total = math.fsum(masses.values())
+    masses = {state: mass / total for state, mass in masses.items()}
 
     def mass(at: Mapping[str, Any]) -> float:
         return math.fsum(masses[tuple(s.values())] for s in plain.states if at.items() <= s.items())
@@ -40,7 +44,7 @@ def _belief(model: fp.FactoredPOMDP, tie: Tie, shown: Assignment) -> None:
 
 
 def _posterior(model: fp.FactoredPOMDP, tie: Tie, shown: Assignment) -> None:
-    assert tie.kind in ("transition", "observation")
+    assert tie.kind in ("transition", "observation", "terminal")
     after = _after(model, shown, shown["belief"])
     at = shown["at"]
     product = math.prod(_mass(after, {name: at[name] for name in thing}) for thing in tie.joins)
@@ -50,7 +54,7 @@ def _posterior(model: fp.FactoredPOMDP, tie: Tie, shown: Assignment) -> None:
 
 
 def _two_beliefs(model: fp.FactoredPOMDP, tie: Tie, shown: Assignment) -> None:
-    assert tie.kind in ("transition", "observation")
+    assert tie.kind in ("transition", "observation", "terminal")
     changed = set(shown["other_belief"])
     assert any(changed == set(thing) for thing in tie.joins)
     assert not changed & set(shown["at"])
@@ -94,11 +98,13 @@ def _starts(
 def _after(model: fp.FactoredPOMDP, shown: Assignment, belief: Mapping[str, Mapping]) -> list[tuple[Assignment, float]]:
     """Posterior over next joint states, by Bayes' rule."""
     plain, action = PlainModel(model), shown["action"]
-    seen = {name: value for name, value in shown["observation"].items() if name in model.observation}
-    read = {name.removesuffix(".next"): v for name, v in shown["observation"].items() if name not in seen}
+    told = dict(shown["observation"])
+    goes_on = told.pop(GOES_ON.name, False)
+    seen = {name: value for name, value in told.items() if name in model.observation}
+    read = {name.removesuffix(".next"): v for name, v in told.items() if name not in seen}
     weighed = []
     for after in plain.states:
-        if not read.items() <= after.items():
+        if not read.items() <= after.items() or (goes_on and model.is_terminal(after)):
             continue
         given = {**action, **seen, **{f"{name}.next": value for name, value in after.items()}}
         likelihood = math.prod(plain.number(model.observation[name], given) for name in seen)

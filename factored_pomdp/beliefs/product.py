@@ -119,14 +119,8 @@ class ProductBelief:
 
     def _refuse_the_end(self, known: Mapping[str, Value]) -> None:
         """Refuse to go on where known values alone say that the episode is over."""
-        running = self.plan.structure.running
-        if running is None:
-            return
-        at = {v.now.name: known[v.now.name] for v in running.scope if v != GOES_ON}
-        if None not in at.values() and not running.value(
-            {f"{name}.next": v for name, v in at.items()} | {GOES_ON.name: True}
-        ):
-            raise ImpossibleObservation(at, dict(self.action or {}), {**at, GOES_ON.name: True})
+        if self.plan.structure.is_over(known):
+            raise ImpossibleObservation(known, dict(self.action or {}), {**known, GOES_ON.name: True})
 
     def next_known(self, action: Mapping[str, Value]) -> dict[str, Value]:
         """Values of the known variables after an action, as planned; ``None`` where a parent is not known."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Literal
 
 import requests
@@ -55,7 +56,7 @@ class Challenge:
 def challenges(header: str) -> tuple[Challenge, ...]:
     """The challenges in ``WWW-Authenticate``, of which there may be several, in its order."""
     starts = [match.end() for match in _SCHEME.finditer(header)]
-    texts = [header[start:end].strip(" ,") for start, end in zip(starts, [*starts[1:], len(header)], strict=True)]
+    texts = [header[start:end].strip(" ,") for start, end in pairwise([*starts, len(header)])]
     return tuple(_challenge(text) for text in texts)
 
 

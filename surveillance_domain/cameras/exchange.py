@@ -179,12 +179,12 @@ class Exchange:
 
 
 def _root(error: BaseException) -> str:
-    """The innermost reason, such as ``Connection refused``, without the addresses of objects."""
+    """The innermost reason, such as ``Connection refused``, without what stands before it."""
     reason: BaseException = error
     while True:
         inner = getattr(reason, "reason", None) or (reason.args[-1] if reason.args else None)
         if not isinstance(inner, BaseException):
             break
         reason = inner
-    text = getattr(reason, "strerror", None) or (str(reason.args[-1]) if reason.args else type(reason).__name__)
-    return str(text).partition(">: ")[2] or str(text)
+    text = str(reason.args[-1]) if reason.args else type(reason).__name__
+    return text.rpartition(": ")[2].rpartition("] ")[2]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -26,6 +26,7 @@ _LEAST_STALL_S = 1.0
 _ROUNDING_S = 1e-6
 
 
+@runtime_checkable
 class Motors(Protocol):
     """What a driver must be able to do."""
 

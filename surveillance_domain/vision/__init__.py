@@ -1,0 +1,1 @@
+"""From pictures to observations: detectors, the way from pixels to the floor and its cells, and calibration."""

@@ -1,0 +1,165 @@
+"""From the detections of all cameras to one observation a target, as the model expects it.
+
+The model (`surveillance_domain.model.build`) says: of the cameras that detect a target, the one with the least noise
+reports its cell. A report that the model holds impossible, because no cell in that camera's view can give it, is
+counted and not used: to the model a target there is out of view.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from surveillance_domain.model.looks import Look
+from surveillance_domain.model.views import Views
+from surveillance_domain.site.grid import Grid
+from surveillance_domain.site.site import Site
+from surveillance_domain.vision.base import Detection
+from surveillance_domain.vision.ground import Ground
+
+__all__ = ["Cell", "Located", "Observed", "Observer", "cell_of", "identities", "located"]
+
+Cell = tuple[int, int]
+
+_SNAP_CELLS = 1.0
+
+
+@dataclass(frozen=True)
+class Located:
+    """A detection and where on the floor it is.
+
+    Attributes
+    ----------
+    detection : Detection
+    point_m : (float, float)
+        x and y in metres; nan where the picture does not say.
+    cell : (int, int) or None
+        Column and row of the free cell it is in, or next to; ``None`` if there is none.
+    """
+
+    detection: Detection
+    point_m: tuple[float, float]
+    cell: Cell | None
+
+
+@dataclass(frozen=True)
+class Observed:
+    """What all cameras saw together in one step.
+
+    Attributes
+    ----------
+    observations : dict
+        For each target the cell (column, row) at which it was seen, or ``None``: not seen by any camera.
+    unknown : dict
+        Cells of markers that belong to no target, by their number.
+    without_identity : int
+        Detections that may be any target; they are not used.
+    out_of_view : int
+        Detections of targets on no free cell, or where the camera's view does not reach; they are not used.
+    """
+
+    observations: Mapping[str, Cell | None]
+    unknown: Mapping[int | str, Cell]
+    without_identity: int
+    out_of_view: int
+
+
+def identities(looks: Sequence[Look]) -> dict[int | str, str]:
+    """The targets' names by their markers' numbers, and by their own names, which detectors of colours give."""
+    named: dict[int | str, str] = {look.name: look.name for look in looks}
+    return named | {look.marker: look.name for look in looks if look.marker is not None}
+
+
+def located(ground: Ground, grid: Grid, detections: Sequence[Detection]) -> tuple[Located, ...]:
+    """Put detections of one picture on the floor."""
+    pixels = np.array([one.pixel for one in detections], dtype=float).reshape(-1, 2)
+    heights = np.array([one.height_m for one in detections], dtype=float)
+    points = ground.on_floor(pixels, heights).tolist()
+    return tuple(
+        Located(detection, (x, y), cell_of(grid, np.array([x, y])))
+        for detection, (x, y) in zip(detections, points, strict=True)
+    )
+
+
+def cell_of(grid: Grid, point_m: Float[np.ndarray, "2"]) -> Cell | None:
+    """Column and row of the free cell that holds a point in metres, or of the nearest one less than a cell away."""
+    if not np.isfinite(point_m).all():
+        return None
+    number = int(grid.number_at(point_m))
+    if number < 0:
+        away = ((grid.centres_m - point_m) ** 2).sum(axis=1)
+        number = int(away.argmin())
+        if away[number] >= (_SNAP_CELLS * grid.cell_m) ** 2:
+            return None
+    column, row = grid.cells[number].tolist()
+    return column, row
+
+
+class Observer:
+    """Makes observations for the model of a site.
+
+    Parameters
+    ----------
+    site : Site
+    views : Views
+        Of the site.
+    targets : sequence of str
+        In the model's order.
+    identities : mapping of int or str to str
+        The target that a marker's number, or a name that a detector gives, belongs to; see `identities`.
+    """
+
+    def __init__(self, site: Site, views: Views, targets: Sequence[str], identities: Mapping[int | str, str]) -> None:
+        self._grid, self._views = site.grid, views
+        self._targets = tuple(targets)
+        self._identities = {identity: name for identity, name in identities.items() if name in self._targets}
+        self._cameras = {camera.name: number for number, camera in enumerate(site.cameras)}
+        self._presets = [{one.name: c for c, one in enumerate(camera.presets)} for camera in site.cameras]
+        self._reports: dict[tuple[int, int], Bool[np.ndarray, " cells"]] = {}
+
+    def observe(self, found: Mapping[str, Sequence[Located]], views: Mapping[str, str | None]) -> Observed:
+        """One step's observation.
+
+        Parameters
+        ----------
+        found : mapping of str to sequence of Located
+            For each camera that looked, its detections.
+        views : mapping of str to str or None
+            For each camera the preset whose view it has; without one it is not listened to.
+        """
+        observations: dict[str, Cell | None] = dict.fromkeys(self._targets)
+        unknown: dict[int | str, Cell] = {}
+        without_identity = out_of_view = 0
+        for name in sorted(found, key=lambda one: (self._views.noise_m[self._cameras[one]], self._cameras[one])):
+            preset = views.get(name)
+            if preset is None:
+                continue
+            for one in sorted(found[name], key=_surest_first):
+                identity = one.detection.identity
+                if identity is None:
+                    without_identity += 1
+                elif one.cell is None or not self._reportable(name, preset, one.cell):
+                    out_of_view += 1
+                elif identity not in self._identities:
+                    unknown.setdefault(identity, one.cell)
+                elif observations.get(self._identities[identity]) is None:
+                    observations[self._identities[identity]] = one.cell
+        return Observed(observations, unknown, without_identity, out_of_view)
+
+    def _reportable(self, camera: str, preset: str, cell: Cell) -> bool:
+        """Whether a camera can report a cell, by the model: a cell in its view may give that report."""
+        from surveillance_domain.model.confusion import confusion_kernel
+
+        number = self._cameras[camera]
+        key = number, self._presets[number][preset]
+        if key not in self._reports:
+            seen = (self._views.detection[number][key[1]] > 0).astype(float)
+            self._reports[key] = confusion_kernel(self._grid, self._views.noise_m[number]).T @ seen > 0
+        return bool(self._reports[key][self._grid.number[cell[1], cell[0]]])
+
+
+def _surest_first(one: Located) -> tuple[float, float]:
+    return -one.detection.confidence, -one.detection.size_px

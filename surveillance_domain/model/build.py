@@ -65,7 +65,7 @@ def target_names(site: Site, targets: int) -> tuple[str, ...]:
     return (*known, *islice(others, targets - len(known)))
 
 
-def surveillance_model(site: Site, targets: int) -> Surveillance:
+def surveillance_model(site: Site, targets: int, discount: float = 1.0) -> Surveillance:
     """Build the model of a site with a number of targets.
 
     Targets share their tables: m of them cost the memory of one, and one stack of arrays in the belief.
@@ -115,6 +115,7 @@ def surveillance_model(site: Site, targets: int) -> Surveillance:
         observation=observation,
         reward=reward,
         initial=initial,
+        discount=discount,
         groups=groups,
         legal=legal,
     )

@@ -17,6 +17,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     from surveillance_domain.commands.compare import compare
     from surveillance_domain.commands.coverage import coverage
     from surveillance_domain.commands.emulate import emulate
+    from surveillance_domain.commands.run import run
     from surveillance_domain.commands.simulate import simulate
 
     application = typer.Typer(
@@ -27,7 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-    for command in (simulate, compare, coverage, emulate):
+    for command in (simulate, compare, coverage, run, emulate):
         application.command()(guarded(command))
     given = list(sys.argv[1:] if arguments is None else arguments)
     token = COMMAND_LINE.set(shlex.join(["surveillance", *given]))

@@ -1,24 +1,56 @@
-"""Waiting for the end: until a time is over, or somebody stops the command with Ctrl-C or SIGTERM."""
+"""Stopping when somebody asks for it, with Ctrl-C or SIGTERM, and not in the middle of a step."""
 
 from __future__ import annotations
 
 import signal
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 
-__all__ = ["until_stopped"]
+__all__ = ["Stop", "stop_when_asked", "until_stopped"]
+
+
+class Stop:
+    """Whether somebody asked, and by which signal."""
+
+    def __init__(self) -> None:
+        self.signal: signal.Signals | None = None
+        self._asked = threading.Event()
+
+    @property
+    def asked(self) -> bool:
+        return self._asked.is_set()
+
+    def ask(self, number: signal.Signals | None = None) -> None:
+        """Ask for the end."""
+        self.signal = number
+        self._asked.set()
+
+    def wait(self, seconds: float | None) -> None:
+        """Come back when it is asked for, or after some seconds."""
+        self._asked.wait(seconds)
+
+
+@contextmanager
+def stop_when_asked() -> Iterator[Stop]:
+    """For the main thread: SIGINT and SIGTERM ask for the end; the second one interrupts at once."""
+    stop = Stop()
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        if stop.asked:
+            raise KeyboardInterrupt
+        stop.ask(signal.Signals(number))
+
+    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stop
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def until_stopped(seconds: float | None = None) -> None:
     """Come back after some seconds (``None``: never), or at SIGINT or SIGTERM; to be called in the main thread."""
-    stopped = threading.Event()
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        stopped.set()
-
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        stopped.wait(seconds)
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+    with stop_when_asked() as stop:
+        stop.wait(seconds)

@@ -1,0 +1,118 @@
+"""From a site and what the user asked for to a network of cameras, real or emulated, that is ready to be run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from factored_pomdp.commands.answers import InputError
+
+if TYPE_CHECKING:
+    from surveillance_domain.cameras.base import Camera
+    from surveillance_domain.cameras.clock import Clock
+    from surveillance_domain.model.build import Surveillance
+    from surveillance_domain.site.site import Site
+    from surveillance_domain.world.eyes import Eyes
+    from surveillance_domain.world.network import NetworkWorld
+    from surveillance_domain.world.truth import Truth
+
+__all__ = ["Network", "network_of"]
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """Cameras that can be spoken with.
+
+    Attributes
+    ----------
+    surveillance : Surveillance
+    cameras : tuple of Camera
+    world : NetworkWorld
+    truth : callable or None
+        The targets' true state, where the cameras are emulated.
+    clock : Clock
+    """
+
+    surveillance: Surveillance
+    cameras: tuple[Camera, ...]
+    world: NetworkWorld
+    truth: Callable[[], Truth] | None
+    clock: Clock
+
+
+@contextmanager
+def network_of(
+    site: Site,
+    targets: int,
+    *,
+    emulated: bool,
+    seed: int,
+    virtual: bool = False,
+    pictures: bool = True,
+    held: Callable[[], Collection[str]] = frozenset,
+    moves: bool = True,
+) -> Iterator[Network]:
+    """Open all cameras of a site; closed again at the end.
+
+    Parameters
+    ----------
+    emulated : bool
+        Start emulated cameras on loopback, and speak with those.
+    virtual : bool
+        In virtual time; emulated cameras only.
+    pictures : bool
+        Find targets in pictures. Otherwise, with emulated cameras only, detections are drawn from the model.
+
+    Raises
+    ------
+    InputError, SiteError
+        Saying what is missing or wrong.
+    VisionMissing
+        If pictures are to be looked at, and OpenCV is not installed.
+    """
+    import numpy as np
+
+    from surveillance_domain.cameras.clock import RealClock
+    from surveillance_domain.cameras.errors import CameraError
+    from surveillance_domain.cameras.opening import open_camera
+    from surveillance_domain.model.build import surveillance_model
+    from surveillance_domain.vision.opencv import opencv
+    from surveillance_domain.world.network import NetworkWorld
+
+    for_truth, for_retries, for_eyes = np.random.default_rng(seed).spawn(3)
+    clock: Clock = RealClock()
+    with ExitStack() as stack:
+        truth = None
+        if emulated:
+            from surveillance_domain.emulation.site import EmulatedSite
+            from surveillance_domain.emulation.truth_eyes import TruthEyes
+            from surveillance_domain.emulation.virtual_clock import VirtualClock
+
+            clock = VirtualClock() if virtual else clock
+            opencv()
+            emulation = stack.enter_context(EmulatedSite(site, targets, clock, for_truth))
+            surveillance = surveillance_model(emulation.site, targets)
+            cameras: tuple[Camera, ...] = emulation.open_cameras(for_retries)
+            truth = lambda: emulation.truth  # noqa: E731
+        else:
+            surveillance = surveillance_model(site, targets)
+            folder = site.path.parent if site.path is not None else None
+            luck = for_retries.spawn(len(site.cameras))
+            try:
+                cameras = tuple(
+                    open_camera(one, clock, rng, folder) for one, rng in zip(site.cameras, luck, strict=True)
+                )
+            except CameraError as problem:
+                raise InputError(f"site {site.name}: {problem}; or run it with --emulated") from None
+        eyes: Eyes
+        if pictures:
+            from surveillance_domain.world.picture_eyes import PictureEyes
+
+            eyes = PictureEyes(surveillance)
+        else:
+            eyes = TruthEyes(surveillance, emulation, for_eyes)
+        world = NetworkWorld(surveillance.site, cameras, eyes, clock, held, moves)
+        stack.callback(world.close)
+        yield Network(surveillance, cameras, world, truth, clock)

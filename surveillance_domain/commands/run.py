@@ -1,0 +1,234 @@
+"""``surveillance run``: the control loop on real cameras, or on emulated ones."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from datetime import datetime, timedelta
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from factored_pomdp.commands.answers import COMMAND_LINE, AsJson, InputError, answer, side_console, table
+from surveillance_domain.commands.options import Progress, Seed, SiteName, input_checked
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from surveillance_domain.control.base import Controller
+    from surveillance_domain.control.watch import Alert
+    from surveillance_domain.model.build import Surveillance
+    from surveillance_domain.site.site import Site
+    from surveillance_domain.world.network import NetworkWorld
+
+__all__ = ["run"]
+
+_START_S = 10.0
+_SELDOM_S = 5.0
+
+
+def run(
+    site: SiteName,
+    targets: Annotated[
+        int | None, typer.Option(min=1, help="How many; if left out, as many as the site knows by name, or 1.")
+    ] = None,
+    steps: Annotated[int | None, typer.Option(min=1, help="How many; if left out, until stopped.")] = None,
+    until: Annotated[str | None, typer.Option(metavar="HH:MM", help="Stop at this local time.")] = None,
+    controller: Annotated[str | None, typer.Option(help="If left out, the site's.")] = None,
+    emulated: Annotated[bool, typer.Option("--emulated", help="Emulated cameras on loopback.")] = False,
+    fast: Annotated[bool, typer.Option("--fast", help="Emulated cameras in virtual time.")] = False,
+    pictures: Annotated[
+        bool, typer.Option("--pictures/--no-pictures", help="Emulated: find targets in pictures, or draw detections.")
+    ] = True,
+    shadow: Annotated[bool, typer.Option("--shadow", help="Decide and record, but never move a camera.")] = False,
+    park: Annotated[bool, typer.Option("--park", help="Send cameras home at the end; SIGTERM does so always.")] = False,
+    record: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for the record.")] = None,
+    seed: Seed = 0,
+    progress: Progress = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run the cameras of a site: choose presets, turn cameras, look, learn; until stopped."""
+    import signal
+
+    from surveillance_domain.commands.network import network_of
+    from surveillance_domain.commands.stopping import stop_when_asked
+    from surveillance_domain.control.watch import Watch
+    from surveillance_domain.control.watch_state import AlreadyRun, WatchState
+    from surveillance_domain.site.load import load_site
+    from surveillance_domain.vision.opencv import VisionMissing
+
+    _refuse_mixture(emulated, fast, pictures, shadow)
+    with input_checked():
+        found = load_site(site)
+    number = targets if targets is not None else max(1, len(found.targets.known))
+    ends = None if until is None else _moment(until)
+    state = WatchState(found)
+    with ExitStack() as stack:
+        try:
+            if not shadow and not emulated:
+                stack.enter_context(state.locked())
+        except AlreadyRun as problem:
+            raise InputError(str(problem)) from None
+        stop = stack.enter_context(stop_when_asked())
+        with input_checked((ValueError, VisionMissing)):
+            network = stack.enter_context(
+                network_of(
+                    found,
+                    number,
+                    emulated=emulated,
+                    seed=seed,
+                    virtual=fast,
+                    pictures=pictures,
+                    held=state.held,
+                    moves=not shadow,
+                )
+            )
+        chosen = controller or found.control.controller
+        acting = _controller(chosen, network.surveillance)
+        _start(network.world)
+        written = None if record is None else _record(record, found, network.surveillance, chosen, seed, emulated)
+        if written is not None:
+            stack.callback(written.close)
+        watch = Watch(network.world, acting, written, network.truth, _alert(found))
+        tell = _teller(watch, found, steps, progress)
+        for step in watch.turns():
+            tell()
+            over = steps is not None and step.number >= steps
+            if over or stop.asked or (ends is not None and datetime.now() >= ends):
+                break
+        parked = network.world.park(_parking_s(found)) if park or stop.signal is signal.SIGTERM else {}
+        content = _content(watch.summary(), found, network.surveillance, chosen, seed, parked)
+    answer(content, _shown(content), as_json=as_json)
+
+
+def _refuse_mixture(emulated: bool, fast: bool, pictures: bool, shadow: bool) -> None:
+    for wrong, name in ((fast, "--fast"), (not pictures, "--no-pictures")):
+        if wrong and not emulated:
+            raise InputError(f"{name} is for emulated cameras only: add --emulated")
+
+
+def _moment(until: str) -> datetime:
+    """The next time that the clock on the wall shows it."""
+    try:
+        at = datetime.strptime(until, "%H:%M").time()
+    except ValueError:
+        raise InputError(f"--until {until}: expected a time of day such as 06:00") from None
+    now = datetime.now()
+    today = datetime.combine(now.date(), at)
+    return today if today > now else today + timedelta(days=1)
+
+
+def _controller(name: str, surveillance: Surveillance) -> Controller:
+    from surveillance_domain.control.factory import Setting, make_controller
+
+    try:
+        return make_controller(name, surveillance, Setting())
+    except ValueError as problem:
+        raise InputError(f"--controller {name}: {problem}") from None
+
+
+def _start(world: NetworkWorld) -> None:
+    """Get to know the cameras; one that is away is only told of, for it may return."""
+    faults = world.start(_START_S)
+    clamped = [fault for fault in faults.values() if "would clamp" in fault]
+    if clamped:
+        raise InputError("\n".join(clamped))
+    for fault in faults.values():
+        side_console().print(f"warning: {fault}", soft_wrap=True)
+
+
+def _record(folder: Path, site: Site, surveillance: Surveillance, controller: str, seed: int, emulated: bool) -> Any:
+    from factored_pomdp.provenance import provenance
+    from surveillance_domain.control.record import RecordWriter
+
+    header = {
+        "site": site.name,
+        "site_path": None if site.path is None else str(site.path),
+        "targets": list(surveillance.targets),
+        "controller": controller,
+        "step_s": site.control.step_s,
+        "emulated": emulated,
+        **provenance(COMMAND_LINE.get(), {site.name: f"sha256:{site.digest}"}, seed),
+    }
+    try:
+        return RecordWriter(folder, header, site.operation.keep_days)
+    except OSError as problem:
+        raise InputError(f"--record {folder}: {(problem.strerror or str(problem)).lower()}") from None
+
+
+def _alert(site: Site) -> Alert | None:
+    command = site.operation.alert_command
+    if command is None:
+        return None
+    from surveillance_domain.commands.alerting import alerter
+
+    return alerter(command, site.name)
+
+
+def _teller(watch: Any, site: Site, steps: int | None, wanted: bool | None) -> Callable[[], None]:
+    """A line every few seconds on standard error, on a terminal or where it is asked for."""
+    import time
+
+    console = side_console()
+    told = -math.inf
+
+    def tell() -> None:
+        nonlocal told
+        now = time.monotonic()
+        if wanted is False or not (wanted or console.is_terminal) or now - told < _SELDOM_S:
+            return
+        told = now
+        found = watch.summary()
+        of = f" of {steps}" if steps is not None else ""
+        share = "" if found["percent_obs"] is None else f", PercentObs {found['percent_obs']:.1f} %"
+        away = [camera["name"] for camera in found["cameras"] if camera["state"] != "ready"]
+        missing = f", not taking part: {', '.join(away)}" if away else ""
+        console.print(f"{site.name}: step {found['steps']}{of}, {found['seen']:.2f} seen a step{share}{missing}")
+
+    return tell
+
+
+def _parking_s(site: Site) -> float:
+    return max(camera.move_deadline_s for camera in site.cameras)
+
+
+def _content(
+    summary: Mapping[str, Any],
+    site: Site,
+    surveillance: Surveillance,
+    controller: str,
+    seed: int,
+    parked: Mapping[str, str],
+) -> dict[str, Any]:
+    from factored_pomdp.provenance import provenance
+
+    found = summary["percent_obs"]
+    return {
+        "site": site.name,
+        "controller": controller,
+        "targets": len(surveillance.targets),
+        "runs": 1,
+        **summary,
+        "percent_obs": None if found is None else {"mean": found, "ci95": [None, None], "per_run": [found]},
+        "parked": dict(parked),
+        **provenance(COMMAND_LINE.get(), {site.name: f"sha256:{site.digest}"}, seed),
+    }
+
+
+def _shown(content: Mapping[str, Any]) -> list[RenderableType]:
+    rows = table("run", "found", right=["found"])
+    for key in ("site", "controller", "targets", "steps", "restarts"):
+        rows.add_row(key, str(content[key]))
+    if content["percent_obs"] is not None:
+        rows.add_row("PercentObs", f"{content['percent_obs']['mean']:.2f} %")
+    if content["steps"]:
+        rows.add_row("targets seen a step", f"{content['seen']:.3f}")
+        rows.add_row("expected", f"{content['expected_observed']:.3f}")
+        rows.add_row("time of a decision, median", f"{content['decision_ms']['median']:.3f} ms")
+    cameras = table("camera", "state", "steps without a view", *(["parked"] if content["parked"] else []))
+    for camera in content["cameras"]:
+        parked = [content["parked"][camera["name"]]] if content["parked"] else []
+        cameras.add_row(camera["name"], camera["state"], str(camera["failures"]), *parked)
+    return [rows, cameras]

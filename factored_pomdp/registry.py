@@ -12,7 +12,7 @@ from factored_pomdp.options import checked_options
 if TYPE_CHECKING:
     from factored_pomdp.model import FactoredPOMDP
 
-__all__ = ["DomainEntry", "SolverEntry", "domain", "domains", "solver", "solvers"]
+__all__ = ["DomainEntry", "SolverEntry", "domain", "domain_names", "domains", "solver", "solvers"]
 
 DOMAINS = "factored_pomdp.domains"
 SOLVERS = "factored_pomdp.solvers"
@@ -56,6 +56,11 @@ class SolverEntry:
 def domains() -> list[DomainEntry]:
     """Every installed domain, by name."""
     return [DomainEntry(*found) for found in _entries(DOMAINS)]
+
+
+def domain_names() -> list[str]:
+    """Names of the installed domains, none of which is loaded for it."""
+    return list(dict.fromkeys(point.name for point in _points(DOMAINS)))
 
 
 def solvers() -> list[SolverEntry]:

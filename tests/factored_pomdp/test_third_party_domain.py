@@ -98,3 +98,14 @@ def test_the_new_domain_decomposes_and_is_verified(python: Path) -> None:
     found, _ = answered(python, "verify", "weather", "-o", "accuracy=0.7", "--beliefs", "5", "--steps", "5")
     assert found["actions_agree"] == 1.0
     assert max(found["max_value_difference"], found["max_belief_difference"]) <= 1e-9
+
+
+def test_the_new_domain_is_an_environment_and_the_broken_one_says_why(python: Path) -> None:
+    program = (
+        "import gymnasium, factored_pomdp.gymnasium\n"
+        "print(gymnasium.make('factored_pomdp/weather-v0', towns=3).action_space)\n"
+        "gymnasium.make('factored_pomdp/broken-v0')"
+    )
+    said = subprocess.run([str(python), "-c", program], capture_output=True, text=True, check=False, cwd=python.parent)
+    assert said.stdout == "MultiDiscrete([2 2 2])\n"
+    assert "domain 'broken' (broken-domain 0.0.1) cannot be loaded: RuntimeError" in said.stderr

@@ -13,14 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from surveillance_domain.model.looks import Look
 from surveillance_domain.model.views import Views
 from surveillance_domain.site.grid import Grid
 from surveillance_domain.site.site import Site
 from surveillance_domain.vision.base import Detection
 from surveillance_domain.vision.ground import Ground
 
-__all__ = ["Cell", "Located", "Observed", "Observer", "cell_of", "identities", "located"]
+__all__ = ["Cell", "Located", "Observed", "Observer", "cell_of", "located"]
 
 Cell = tuple[int, int]
 
@@ -67,12 +66,6 @@ class Observed:
     out_of_view: int
 
 
-def identities(looks: Sequence[Look]) -> dict[int | str, str]:
-    """The targets' names by their markers' numbers, and by their own names, which detectors of colours give."""
-    named: dict[int | str, str] = {look.name: look.name for look in looks}
-    return named | {look.marker: look.name for look in looks if look.marker is not None}
-
-
 def located(ground: Ground, grid: Grid, detections: Sequence[Detection]) -> tuple[Located, ...]:
     """Put detections of one picture on the floor."""
     pixels = np.array([one.pixel for one in detections], dtype=float).reshape(-1, 2)
@@ -109,7 +102,7 @@ class Observer:
     targets : sequence of str
         In the model's order.
     identities : mapping of int or str to str
-        The target that a marker's number, or a name that a detector gives, belongs to; see `identities`.
+        The target that a marker's number, or a name that a detector gives, belongs to.
     """
 
     def __init__(self, site: Site, views: Views, targets: Sequence[str], identities: Mapping[int | str, str]) -> None:

@@ -68,12 +68,15 @@ def edited_site(path: Path) -> Iterator[TOMLDocument]:
 
 
 def set_camera_key(document: TOMLDocument, camera: str, key: str, value: Any) -> None:
-    """Give a camera a value of its own; what other cameras have, from ``[defaults]`` too, stays."""
-    table = _camera(document, camera)
-    if isinstance(value, dict) and key in table:
-        for part, changed in value.items():
-            if table[key].get(part) != changed:
-                table[key][part] = changed
+    """Give a camera a value of its own; what other cameras have, from ``[defaults]`` too, stays.
+
+    A table is changed in the keys that ``value`` has.
+    """
+    table, defaults = _camera(document, camera), document.get("defaults", {})
+    if isinstance(value, dict):
+        if key not in table:
+            table[key] = deepcopy(defaults[key])
+        table[key].update(value)
     else:
         table[key] = value
 

@@ -104,7 +104,8 @@ def _flatness(points: Float[np.ndarray, "points 2"]) -> float:
 
 
 def _seeing(to_floor: Float[np.ndarray, "3 3"], pixels: Float[np.ndarray, "points 2"]) -> Float[np.ndarray, "3 3"]:
-    """Scaled to size 1, with ``w > 0`` at pixels that see the floor."""
+    """Scaled to a determinant of 1 or -1, with ``w > 0`` at pixels that see the floor."""
     weights = np.column_stack([pixels, np.ones(len(pixels))]) @ to_floor[2]
-    scaled: Float[np.ndarray, "3 3"] = to_floor / (np.linalg.norm(to_floor) * np.sign(np.median(weights)))
+    size = np.cbrt(np.abs(np.linalg.det(to_floor)))
+    scaled: Float[np.ndarray, "3 3"] = to_floor / (size * np.sign(np.median(weights)))
     return scaled

@@ -1,0 +1,43 @@
+"""``surveillance add-preset``: what a camera sees now becomes one of its presets."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from factored_pomdp.commands.answers import AsJson, InputError, answer
+from surveillance_domain.commands.options import SiteName, input_checked
+
+__all__ = ["add_preset"]
+
+_BUDGET_S = 10.0
+
+
+def add_preset(
+    site: SiteName,
+    camera: Annotated[str, typer.Argument(metavar="CAMERA", help="One of the site's cameras, which must have a url.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Of the new preset.")],
+    as_json: AsJson = False,
+) -> None:
+    """Ask a camera where it looks, and write that into the site file as a new preset; the camera is not moved."""
+    from surveillance_domain.commands.one_camera import described_camera, opened_camera
+    from surveillance_domain.site import editing
+    from surveillance_domain.site.load import load_site
+
+    with input_checked():
+        found = load_site(site)
+        path = editing.editable_path(found)
+    description = described_camera(found, camera)
+    if name in [preset.name for preset in description.presets]:
+        raise InputError(f"camera {camera!r} has a preset {name!r} already; give another name")
+    with opened_camera(found, description) as driver:
+        position = driver.position(_BUDGET_S)
+    if position.zoom is None:
+        raise InputError(f"camera {camera!r} does not tell its zoom; write the preset into {path} by hand")
+    preset = {"name": name, "pan": position.pan, "tilt": position.tilt, "zoom": position.zoom}
+    with input_checked((ValueError, OSError)), editing.edited_site(path) as document:
+        editing.add_preset(document, camera, preset)
+    content = {"site": found.name, "camera": camera, "preset": preset, "written": str(path)}
+    where = f"pan {position.pan:g}, tilt {position.tilt:g}, zoom {position.zoom:g}"
+    answer(content, [f"Preset {name!r} of camera {camera!r}: {where}. Written: {path}"], as_json=as_json)

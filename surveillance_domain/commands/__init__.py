@@ -14,6 +14,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     import typer
 
     from factored_pomdp.commands.answers import COMMAND_LINE, guarded
+    from surveillance_domain.commands.add_preset import add_preset
+    from surveillance_domain.commands.calibrate import calibrate
     from surveillance_domain.commands.compare import compare
     from surveillance_domain.commands.coverage import coverage
     from surveillance_domain.commands.emulate import emulate
@@ -28,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-    for command in (simulate, compare, coverage, run, emulate):
+    for command in (simulate, compare, coverage, run, emulate, calibrate, add_preset):
         application.command()(guarded(command))
     given = list(sys.argv[1:] if arguments is None else arguments)
     token = COMMAND_LINE.set(shlex.join(["surveillance", *given]))

@@ -8,9 +8,11 @@ calls the old one stale; here it is only told which challenge to answer, and kep
 from __future__ import annotations
 
 import re
+import threading
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Literal
+from types import SimpleNamespace
+from typing import Any, Literal, cast
 
 import requests
 from requests.auth import HTTPBasicAuth, HTTPDigestAuth
@@ -82,6 +84,7 @@ class CameraLogin(HTTPDigestAuth):
 
     def __init__(self, username: str, password: str, scheme: Scheme, secure: bool) -> None:
         super().__init__(username, password)
+        self._thread_local = cast(threading.local, SimpleNamespace())  # one nonce for all threads, which take turns
         self._digest_allowed = scheme != "basic"
         self._basic_allowed = scheme == "basic" or (scheme == "auto" and secure)
         self._basic: HTTPBasicAuth | None = None

@@ -173,8 +173,6 @@ class Exchange:
                     raise BadAnswer(f"{self._name}: an answer of more than {most_bytes:,} bytes")
         if cut.is_set() or self._clock.now() > until:
             raise Unreachable(f"{self._name}: the answer did not end in time")
-        if expected is not None and len(body) < expected:
-            raise Unreachable(f"{self._name}: the answer broke off after {len(body):,} of {expected:,} bytes")
         return bytes(body)
 
 
@@ -186,5 +184,6 @@ def _root(error: BaseException) -> str:
         if not isinstance(inner, BaseException):
             break
         reason = inner
-    text = str(reason.args[-1]) if reason.args else type(reason).__name__
-    return text.rpartition(": ")[2].rpartition("] ")[2]
+    last = reason.args[-1] if reason.args else type(reason).__name__
+    text = last if isinstance(last, str) else str(reason)
+    return " ".join(text.rpartition(": ")[2].rpartition("] ")[2].split())

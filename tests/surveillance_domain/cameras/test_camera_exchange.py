@@ -159,7 +159,7 @@ whole = st.one_of(
 
 
 @pytest.mark.property
-@settings(max_examples=120)
+@settings(max_examples=60)
 @given(whole)
 def test_whatever_comes_no_foreign_error_leaves_the_driver(answer: bytes) -> None:
     with raw_server(answer) as url, emulated_pair(url=url) as pair:

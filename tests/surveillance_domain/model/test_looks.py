@@ -1,0 +1,25 @@
+"""Which marker and which colour a target bears."""
+
+from __future__ import annotations
+
+import pytest
+
+from surveillance_domain.model.looks import Look, looks
+from surveillance_domain.site.load import load_site
+
+
+@pytest.mark.example
+def test_lego_robots_are_named_for_their_colours() -> None:
+    assert looks(load_site("lego"), 3) == (
+        Look("red", 0, (255, 0, 0)),
+        Look("blue", 1, (0, 0, 255)),
+        Look("green", 2, (0, 128, 0)),
+    )
+
+
+@pytest.mark.example
+def test_targets_that_the_site_does_not_name_get_markers_that_are_left() -> None:
+    many = looks(load_site("lego"), 9)
+    assert [look.marker for look in many] == list(range(9))
+    assert len({look.colour for look in many}) == 9
+    assert [look.marker for look in looks(load_site("hall"), 3)] == [None] * 3

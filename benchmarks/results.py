@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from results_figures import draw_figures
-from results_table import RUNS, Key, Results
+from results_table import RUNS, SIMULATED, Key, Results
 from results_text import page
 
 from surveillance_domain.commands.options import processors
@@ -24,7 +24,6 @@ from surveillance_domain.experiments.jobs import blocks, run_jobs
 from surveillance_domain.experiments.knowledge import knowledge
 from surveillance_domain.experiments.runs import TruthKind
 from surveillance_domain.experiments.setup import Case, Setup, surveillance_of
-from surveillance_domain.experiments.variants import VARIANTS
 
 SITES = ("hall", "corridor", "junction")
 COUNTS = (1, 5, 10, 20)
@@ -64,7 +63,7 @@ def _cases(seed: int) -> Iterator[Case]:
     for truth in TRUTHS:
         for site in SITES:
             for count in COUNTS:
-                for controller in VARIANTS:
+                for controller in SIMULATED:
                     yield Case(Setup(site, count), controller, truth, STEPS, seed)
             for count in KAPPA_COUNTS:
                 for kappa in KAPPAS:

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from results_table import Results
+from results_table import SIMULATED, Results
 
-from surveillance_domain.control.factory import CONTROLLERS
+from surveillance_domain.control.factory import COMPARED
 from surveillance_domain.experiments.estimates import Estimate
-from surveillance_domain.experiments.variants import ALL_NAMES, VARIANTS
+from surveillance_domain.experiments.variants import ALL_NAMES
 from surveillance_domain.pictures.comparison import Curve, Panel, draw_comparison
 from surveillance_domain.pictures.style import CAMERA_COLOURS, INK, new_figure, save_figure, styled
 
@@ -24,7 +24,7 @@ def draw_figures(results: Results, folder: Path) -> None:
     """``comparison-<truth>`` and ``kappa`` as PNG and SVG, ``means.csv`` and ``differences.csv``."""
     for truth in results.truths:
         sites = dict.fromkeys(site for kind, site, _ in results.panels if kind == truth)
-        panels = [_panel(results, truth, site, CONTROLLERS) for site in sites]
+        panels = [_panel(results, truth, site, COMPARED) for site in sites]
         note = (
             f"{results.runs} runs of {results.steps} steps, seed {results.seed}; bands: 95 % confidence; grey: bounds"
         )
@@ -32,8 +32,8 @@ def draw_figures(results: Results, folder: Path) -> None:
             draw_comparison(panels, f"Targets observed, {truth} truth", note), folder / f"comparison-{truth}.png"
         )
     save_figure(_draw_kappa(results), folder / "kappa.png")
-    means = [(t, s, m, c, results.mean(t, s, m, c)) for t, s, m in results.panels for c in VARIANTS]
-    leads = [(t, s, m, c, results.lead(t, s, m, c)) for t, s, m in results.panels for c in VARIANTS if c != "pomdp"]
+    means = [(t, s, m, c, results.mean(t, s, m, c)) for t, s, m in results.panels for c in SIMULATED]
+    leads = [(t, s, m, c, results.lead(t, s, m, c)) for t, s, m in results.panels for c in SIMULATED if c != "pomdp"]
     _write(folder / "means.csv", means)
     _write(folder / "differences.csv", leads)
 

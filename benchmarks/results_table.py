@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from surveillance_domain.control.factory import COMPARED
 from surveillance_domain.experiments.estimates import Estimate, estimate
 
 RUNS = "runs.csv"
+SIMULATED = (*COMPARED, "mp-hold", "mp-dead-reckoning")
+"""Controllers of which the file has runs."""
 Case = tuple[str, str, str, int, str, str]
 Panel = tuple[str, str, int]
 """Truth, site, number of targets."""

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from results_table import Panel, Results
 
-from surveillance_domain.control.factory import CONTROLLERS
+from surveillance_domain.control.factory import COMPARED
 from surveillance_domain.experiments.estimates import Estimate
 from surveillance_domain.experiments.setup import Setup, site_of
 from surveillance_domain.experiments.variants import ALL_NAMES
@@ -222,7 +222,7 @@ def _against_clairvoyant(results: Results) -> tuple[float, int]:
     differences = [
         bound - value
         for panel in results.panels
-        for name in (*CONTROLLERS, *OUT_OF_SIGHT)
+        for name in (*COMPARED, *OUT_OF_SIGHT)
         for bound, value in zip(
             _ordered(results.samples(*panel, "clairvoyant")), _ordered(results.samples(*panel, name)), strict=True
         )
@@ -238,11 +238,11 @@ def _means(results: Results) -> str:
         found = results.mean(truth, site, count, name)
         return f"{found.mean:.1f} ± {found.half_width:.1f}"
 
-    return "\n".join(lines + _table(results, [ALL_NAMES[name] for name in CONTROLLERS], CONTROLLERS, cell))
+    return "\n".join(lines + _table(results, [ALL_NAMES[name] for name in COMPARED], COMPARED, cell))
 
 
 def _differences(results: Results) -> str:
-    others = [name for name in CONTROLLERS if name != "pomdp"]
+    others = [name for name in COMPARED if name != "pomdp"]
     lines = ["## Paired differences: P minus the other", ""]
 
     def cell(truth: str, site: str, count: int, name: str) -> str:

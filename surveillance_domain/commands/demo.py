@@ -129,13 +129,13 @@ def _compare(out: Path, size: Size, workers: int) -> dict[str, Any]:
     from surveillance_domain.commands.compare import compared
     from surveillance_domain.commands.comparison_answer import comparison_content, comparison_tables, write_comparison
     from surveillance_domain.commands.folder import ready_folder
-    from surveillance_domain.control.factory import CONTROLLERS
+    from surveillance_domain.control.factory import COMPARED
     from surveillance_domain.experiments.comparison import Plan
     from surveillance_domain.experiments.setup import Setup, check_setup
 
-    site = check_setup(Setup("hall", 1), CONTROLLERS)
+    site = check_setup(Setup("hall", 1), COMPARED)
     setups = tuple(Setup("hall", count) for count in size.targets)
-    plan = Plan(setups, CONTROLLERS, "grid", size.steps, size.seed)
+    plan = Plan(setups, COMPARED, "grid", size.steps, size.seed)
     outcome = compared(plan, size.runs, workers)
     names, inputs = {"hall": site.name}, {site.name: f"sha256:{site.digest}"}
     content = comparison_content(plan, size.runs, outcome, names, COMMAND_LINE.get(), inputs)

@@ -2,20 +2,36 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
-from factored_pomdp.beliefs import initial_belief
+from factored_pomdp.beliefs import ProductBelief, initial_belief
 from surveillance_domain.control.base import Choice
 from surveillance_domain.control.choosing import PresetChooser
 from surveillance_domain.control.restart import TargetRestart
 from surveillance_domain.model.build import UNSEEN, Surveillance
 from surveillance_domain.world.base import Sighting
 
-__all__ = ["PomdpController"]
+__all__ = ["Chooser", "PomdpController"]
+
+
+class Chooser(Protocol):
+    """Chooses presets for a belief."""
+
+    @property
+    def moves(self) -> dict[str, str]:
+        """The last choice as a joint action of the model."""
+
+    def choose(self, belief: ProductBelief) -> Choice:
+        """Presets for the next step."""
 
 
 class PomdpController:
     """Keeps a product belief and maximises the expected number of targets observed in the next step.
+
+    Parameters
+    ----------
+    chooser : Chooser, optional
+        Chooses in place of P, for the same belief.
 
     Attributes
     ----------
@@ -25,10 +41,10 @@ class PomdpController:
         Beliefs started anew so far, because the model called the sighting impossible.
     """
 
-    def __init__(self, surveillance: Surveillance) -> None:
+    def __init__(self, surveillance: Surveillance, chooser: Chooser | None = None) -> None:
         self.belief = initial_belief(surveillance.model)
         self.restarts = 0
-        self._chooser = PresetChooser(surveillance)
+        self._chooser = chooser if chooser is not None else PresetChooser(surveillance)
         self._restart = TargetRestart(surveillance)
 
     def choose(self) -> Choice:

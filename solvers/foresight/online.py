@@ -1,0 +1,129 @@
+"""What choosing step by step by simulation has in common: the myopic policy as its base, and leave to depart from it.
+
+The myopic action stands unless another leads it by more than ``margin`` standard errors of their paired difference: as
+far as sampling allows, the choice is never worse than the base. No value found this way is proved.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+
+import numpy as np
+
+from factored_pomdp.beliefs import ProductBelief
+from factored_pomdp.model import FactoredPOMDP
+from factored_pomdp.structure import structure_of
+from factored_pomdp.variables import count
+from solvers.action_values import Valued
+from solvers.base import Ability, Decision
+from solvers.foresight.first_actions import FirstAction, first_actions
+from solvers.foresight.returns import Returns
+from solvers.foresight.scenarios import Scenarios
+from solvers.myopic import DecomposedMyopic
+
+__all__ = ["Online", "can_look_ahead"]
+
+
+class Online(ABC):
+    """Compares a few first actions by simulation.
+
+    Parameters
+    ----------
+    model : FactoredPOMDP
+    steps : int
+        Steps that count, the next one included; with 1 the choice is the myopic one.
+    scenarios : int
+        Simulated worlds for each first action, at most.
+    actions : int
+        First actions that are compared, at most (`solvers.foresight.first_actions`).
+    margin : float
+        By how many standard errors another action must lead the myopic one.
+    keep : mapping, optional
+        Action variables to known variables whose present value the myopic policy keeps where that costs nothing.
+    rng : Generator, optional
+        Of the simulated worlds; one of seed 0 if left out.
+    """
+
+    def __init__(
+        self,
+        model: FactoredPOMDP,
+        steps: int,
+        scenarios: int,
+        actions: int,
+        margin: float,
+        keep: Mapping[str, str] | None,
+        rng: np.random.Generator | None,
+    ) -> None:
+        ability = self.can_solve(model)
+        if not ability:
+            raise ValueError(f"{ability.because}; {ability.estimate}")
+        least = {"steps": (steps, 1), "scenarios": (scenarios, 2), "actions": (actions, 1), "margin": (margin, 0)}
+        wrong = [f"{name} {given}: expected at least {low}" for name, (given, low) in least.items() if not given >= low]
+        if wrong:
+            raise ValueError("; ".join(wrong))
+        self.model, self.steps, self.scenarios, self.actions, self.margin = model, steps, scenarios, actions, margin
+        self.base = DecomposedMyopic(model)
+        self._rng = rng if rng is not None else np.random.default_rng(0)
+        self._simulated = Scenarios(self.base, keep or {})
+
+    @classmethod
+    @abstractmethod
+    def can_solve(cls, model: FactoredPOMDP) -> Ability:
+        """Yes where the myopic policy can; what a decision costs."""
+
+    @abstractmethod
+    def compared(self, belief: ProductBelief) -> Returns:
+        """Sampled returns of first actions over all the steps, the myopic action first."""
+
+    def start(self) -> ProductBelief:
+        """The model's initial belief, in the form that `decide` takes."""
+        return self.base.start()
+
+    def decide(self, belief: ProductBelief) -> Decision:
+        """The myopic action, or one that proved better in simulation; the value is that of all the steps.
+
+        Where a known value could not be read, nothing is simulated and the myopic choice for one step is given.
+        """
+        unread = sorted(name for name, value in belief.known.items() if value is None)
+        if self.steps == 1 or unread:
+            base = self.base.decide(belief, self._simulated.preferred(belief))
+            told = f"{base.method}, one step ahead: {unread[0]} was not read back" if unread else base.method
+            return Decision(base.action, base.value, base.upper_bound, told)
+        found = self.compared(belief)
+        chosen = found.better_than_base(self.margin)
+        method = f"{self._described(found)}, standard error {found.error(chosen):.3g}; not proved"
+        return Decision(found.actions[chosen][0], found.mean(chosen), math.inf, method)
+
+    def values(self, belief: ProductBelief) -> Valued:
+        """Estimated returns of the first actions that were compared to the end."""
+        found = self.compared(belief)
+        return [(action, found.mean(number)) for number, (action, _) in enumerate(found.actions)]
+
+    def first_actions(self, belief: ProductBelief) -> list[FirstAction]:
+        """Which first actions are compared, the myopic one first."""
+        base = self.base.decide(belief, self._simulated.preferred(belief))
+        return first_actions(self.base, belief, base, self.actions)
+
+    @abstractmethod
+    def _described(self, found: Returns) -> str:
+        """How the returns were found."""
+
+
+def can_look_ahead(model: FactoredPOMDP, steps: int, beliefs: int) -> Ability:
+    """Whether the myopic policy can be followed in simulated worlds, and what that costs.
+
+    Parameters
+    ----------
+    steps : int
+        Steps of the belief in a decision.
+    beliefs : int
+        How many beliefs are held at once.
+    """
+    ability = DecomposedMyopic.can_solve(model)
+    if not ability:
+        return ability
+    numbers = sum(count(block.variables) for block in structure_of(model).blocks)
+    estimate = f"up to {steps:,} steps of the belief a decision, {8 * numbers * beliefs:,} bytes"
+    return Ability(True, ability.because, estimate)

@@ -21,7 +21,10 @@ if TYPE_CHECKING:
     from matplotlib.image import AxesImage
     from matplotlib.text import Text
 
-__all__ = ["Frame", "Scene", "draw_scene"]
+__all__ = ["HEAT_COLOURS", "Frame", "Scene", "draw_scene"]
+
+HEAT_COLOURS = ("#ffffff", "#cbb8e0", "#8a63b5", "#3f1d6b")
+"""White to dark violet: no camera has this colour, and it darkens evenly in a print without colours."""
 
 _WIDTH_IN = 7.5
 _TINT = 0.12
@@ -163,10 +166,9 @@ def _scale() -> Any:
 
 
 def _heat_colours() -> Any:
-    """White to dark violet: no camera has this colour, and it darkens evenly in a print without colours."""
     from matplotlib.colors import LinearSegmentedColormap
 
-    return LinearSegmentedColormap.from_list("expected", ["#ffffff", "#cbb8e0", "#8a63b5", "#3f1d6b"])
+    return LinearSegmentedColormap.from_list("expected", HEAT_COLOURS)
 
 
 def _colour_bar(figure: Figure, axes: Axes) -> None:

@@ -17,6 +17,7 @@ _MOST_PIXELS = 2048
 _MARGIN_M = 2.0
 _TILE_M = 0.5
 _PIXELS_PER_MODULE = 16
+_SPECKLE = 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +47,8 @@ def floor(grid: Grid, rng: np.random.Generator) -> Floor:
     columns, rows = (int(side) for side in np.ceil(size_m * px_per_m))
     corner = (grid.origin_m[0] - _MARGIN_M, grid.origin_m[1] - _MARGIN_M)
     coarse = cv2.resize(rng.normal(0, 5, (rows // 16 + 1, columns // 16 + 1)), (columns, rows))
-    shade = 150 + coarse + rng.normal(0, 6, (rows, columns))
+    speckle = rng.normal(0, 6, (_SPECKLE, _SPECKLE))
+    shade = 150 + coarse + np.tile(speckle, (rows // _SPECKLE + 1, columns // _SPECKLE + 1))[:rows, :columns]
     x = corner[0] + (np.arange(columns) + 0.5) / px_per_m
     y = corner[1] + (rows - np.arange(rows) - 0.5) / px_per_m
     joint_m = max(0.012, 0.8 / px_per_m)

@@ -21,6 +21,8 @@ from surveillance_domain.site.camera import Camera
 
 __all__ = ["Pinhole", "pinhole"]
 
+_NEAREST_M = 1e-6
+
 
 @dataclass(frozen=True, eq=False)
 class Pinhole:
@@ -58,9 +60,9 @@ class Pinhole:
         return np.hstack([rows, -(rows @ self.position_m)[:, None]])
 
     def project(self, points_m: Float[np.ndarray, "points 3"]) -> Float[np.ndarray, "points 2"]:
-        """Pixels of points in the world; nan for those that are not in front of the camera."""
+        """Pixels of points in the world; nan for those that are not a micrometre or more in front of it."""
         seen = (points_m - self.position_m) @ self.axes
-        forward = np.where(seen[:, 0] > 0, seen[:, 0], np.nan)
+        forward = np.where(seen[:, 0] > _NEAREST_M, seen[:, 0], np.nan)
         u, v = self.centre_px
         return np.stack([u - self.focal_px * seen[:, 1] / forward, v - self.focal_px * seen[:, 2] / forward], axis=1)
 

@@ -44,7 +44,7 @@ def test_cameras_turn_together_and_pictures_show_the_truth() -> None:
         cameras = emulated.open_cameras(rng)
         for camera in cameras:
             camera.start(10.0)
-        for step in range(12):
+        for step in range(8):
             began = clock.now()
             futures = clock.together(pool, [turn_and_look(camera, int(rng.integers(3))) for camera in cameras])
             assert clock.now() - began == pytest.approx(max(future.result()[0].seconds for future in futures))
@@ -62,7 +62,7 @@ def test_cameras_turn_together_and_pictures_show_the_truth() -> None:
                     np.testing.assert_allclose(place, emulated.truth.positions_m[marker], atol=0.03)
                     found += 1
             clock.sleep(1.5 * (step + 1) - clock.now())
-        assert found > 10
+        assert found > 5
         assert [camera.guard.refusals for camera in emulated.cameras.values() if camera.guard] == [1, 1, 1]
         assert [server.connections for server in emulated.servers.values()] == [2, 2, 2]
         for camera in cameras:
@@ -77,7 +77,7 @@ def test_one_sick_camera_does_not_hold_up_the_others() -> None:
         for camera in cameras:
             camera.start(10.0)
         emulated.cameras["north-west"].faults.latency_s = 30.0
-        for preset in (1, 2, 0) * 4:
+        for preset in (1, 2, 0) * 2:
             began = clock.now()
             futures = clock.together(pool, [turn_and_look(camera, preset) for camera in cameras])
             outcomes = [future.result()[0].outcome for future in futures]

@@ -24,11 +24,12 @@ class Clock(Protocol):
     def sleep(self, seconds: float) -> None:
         """Come back when that much time has passed; at once if it is not above 0."""
 
-    def together(self, pool: Executor, tasks: Sequence[Callable[[], T]]) -> list[Future[T]]:
+    def together(self, pool: Executor, tasks: Sequence[Callable[[], T]], until: float | None = None) -> list[Future[T]]:
         """Do tasks at the same time, in threads of a pool that has at least as many free, and wait for all of them.
 
         A virtual clock moves on only when everybody at work sleeps, so it must know who that is: a thread that waits
-        on others must do so here. The futures are done: ``result()`` gives what came out, or raises what was raised.
+        on others must do so here. The futures are done: ``result()`` gives what came out, or raises what was raised;
+        but with a deadline, those that were not done ``until`` then go on in their threads.
         """
 
     def alarm(self, seconds: float, ring: Callable[[], None]) -> AbstractContextManager[None]:
@@ -45,9 +46,9 @@ class RealClock:
         if seconds > 0:
             time.sleep(seconds)
 
-    def together(self, pool: Executor, tasks: Sequence[Callable[[], T]]) -> list[Future[T]]:
+    def together(self, pool: Executor, tasks: Sequence[Callable[[], T]], until: float | None = None) -> list[Future[T]]:
         futures = [pool.submit(task) for task in tasks]
-        wait(futures)
+        wait(futures, None if until is None else max(0.0, until - self.now()))
         return futures
 
     @contextmanager

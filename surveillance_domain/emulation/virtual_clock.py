@@ -1,7 +1,7 @@
 """A clock that jumps: when everybody who is at work sleeps, it is at once the time at which the first one wakes.
 
 It counts those at work. The thread that made the clock is one of them; `together` puts its tasks in the caller's
-place, and the last of them gives it back. A thread that does something for another that waits for it, such as a
+place, and the last of them gives it back, unless the caller's deadline came first. A thread that does something for another that waits for it, such as a
 server for its client, is not counted: its sleep is the other's. When the count falls to zero, the clock moves on to
 the earliest waking time and wakes all whose time it is, each of whom counts again before anybody runs; so sleeps
 overlap as they would on a wall clock, and what the time is when someone wakes does not depend on how quick the
@@ -69,25 +69,35 @@ class VirtualClock:
                 "or waits for other threads outside of together()"
             )
 
-    def together(self, pool: Executor, tasks: Sequence[Callable[[], T]]) -> list[Future[T]]:
+    def together(self, pool: Executor, tasks: Sequence[Callable[[], T]], until: float | None = None) -> list[Future[T]]:
         left = len(tasks)
         if not left:
             return []
+        ended = [False] * left
+        woken = threading.Event()
         with self._lock:
-            self._at_work += left - 1
+            self._at_work += left
+            if until is not None:
+                heapq.heappush(self._sleepers, (max(until, self._now), next(self._order), woken))
+            self._leave()
 
-        def attended(task: Callable[[], T]) -> T:
+        def attended(number: int, task: Callable[[], T]) -> T:
             nonlocal left
             try:
                 return task()
             finally:
                 with self._lock:
-                    left -= 1
-                    if left:
+                    left, ended[number] = left - 1, True
+                    if left or woken.is_set():
                         self._leave()
+                    else:
+                        woken.set()
 
-        futures = [pool.submit(attended, task) for task in tasks]
-        wait(futures)
+        futures = [pool.submit(attended, number, task) for number, task in enumerate(tasks)]
+        woken.wait()
+        with self._lock:
+            over = [future for future, done in zip(futures, ended, strict=True) if done]
+        wait(over)
         return futures
 
     def alarm(self, seconds: float, ring: Callable[[], None]) -> AbstractContextManager[None]:
@@ -96,9 +106,18 @@ class VirtualClock:
     def _leave(self) -> None:
         """One fewer is at work; if it was the last, move on and wake those whose time has come."""
         self._at_work -= 1
-        if self._at_work > 0 or not self._sleepers:
+        if self._at_work > 0:
+            return
+        self._forget_the_woken()
+        if not self._sleepers:
             return
         self._now = max(self._now, self._sleepers[0][0])
         while self._sleepers and self._sleepers[0][0] <= self._now:
             self._at_work += 1
             heapq.heappop(self._sleepers)[2].set()
+            self._forget_the_woken()
+
+    def _forget_the_woken(self) -> None:
+        """A deadline of `together` that was not needed is passed over."""
+        while self._sleepers and self._sleepers[0][2].is_set():
+            heapq.heappop(self._sleepers)

@@ -121,6 +121,35 @@ def test_tasks_may_have_tasks_of_their_own_and_may_fail(pool: ThreadPoolExecutor
     assert clock.now() == 5.0
 
 
+@pytest.mark.property
+@settings(max_examples=60)
+@given(naps, st.integers(0, 20))
+def test_a_deadline_ends_the_waiting_and_not_the_tasks(
+    pool: ThreadPoolExecutor, lengths: list[list[int]], after: int
+) -> None:
+    clock = VirtualClock(patience_s=10.0)
+    deadline = after + 0.5  # naps last whole seconds
+    woken: list[tuple[float, int]] = []
+    tasks = [sleeper(clock, own, woken, name) for name, own in enumerate(lengths)]
+    futures = clock.together(pool, tasks, until=deadline)
+    ends = [sum(own) for own in lengths]
+    assert [future.done() for future in futures] == [end < deadline for end in ends]
+    assert clock.now() == min(max(ends), deadline)
+    clock.sleep(100.0)
+    assert [future.result() for future in futures] == ends
+
+
+@pytest.mark.example
+def test_a_deadline_that_is_over_still_lets_done_what_takes_no_time(pool: ThreadPoolExecutor) -> None:
+    clock = VirtualClock(start_s=5.0)
+    quick, slow = clock.together(pool, [clock.now, lambda: clock.sleep(1.0)], until=0.0)
+    assert quick.result() == 5.0
+    assert not slow.done()
+    assert clock.now() == 5.0
+    clock.sleep(2.0)
+    assert slow.result() is None
+
+
 @pytest.mark.example
 def test_a_clock_that_stands_says_so(pool: ThreadPoolExecutor) -> None:
     clock = VirtualClock(patience_s=0.05)
@@ -140,6 +169,12 @@ def test_real_clock_does_tasks_together(pool: ThreadPoolExecutor) -> None:
     assert all(future.result() for future in futures)
     clock.sleep(0.01)
     assert clock.now() >= before + 0.01
+    gone = threading.Event()
+    quick, slow = clock.together(pool, [lambda: True, lambda: gone.wait(5)], until=clock.now() + 0.05)
+    assert quick.result() is True
+    assert not slow.done()
+    gone.set()
+    assert slow.result() is True
     rung = threading.Event()
     with clock.alarm(0.01, rung.set):
         assert rung.wait(5)

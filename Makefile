@@ -61,9 +61,9 @@ clean: ## remove the environment and everything that was made
 
 # ------------------------------------------------------------------------------------------------------ the environment
 .venv/.installed-core: extras =
-.venv/.installed-dev: extras = [dev]
+.venv/.installed-dev: extras = [dev,vision,page,cluster]
 .venv/.installed-notebooks: extras = [notebooks]
-.venv/.installed-bench: extras = [dev,bench]
+.venv/.installed-bench: extras = [dev,vision,page,cluster,bench]
 .venv/.installed-core .venv/.installed-dev .venv/.installed-notebooks .venv/.installed-bench: pyproject.toml constraints.txt | $(BIN)/pip
 	@echo "Installing factored-pomdp$(extras) into .venv (the first time takes a minute or two) ..."
 	@$(BIN)/pip install -q -c constraints.txt -e ".$(extras)"

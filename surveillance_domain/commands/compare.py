@@ -28,8 +28,11 @@ from surveillance_domain.commands.options import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from surveillance_domain.experiments.comparison import Plan
-    from surveillance_domain.experiments.jobs import Outcome
+    from surveillance_domain.experiments.jobs import Finished, Outcome
+    from surveillance_domain.experiments.kept_runs import KeptRuns
 
 __all__ = ["compare", "compared"]
 
@@ -54,6 +57,9 @@ def compare(
         Path | None, typer.Option(help="Folder for the figure (PNG, SVG) and the tables (CSV, JSON).")
     ] = None,
     workers: Workers = None,
+    cluster: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler such as tcp://host:8786, for its workers.")
+    ] = None,
     progress: Progress = None,
     as_json: AsJson = False,
 ) -> None:
@@ -61,6 +67,7 @@ def compare(
     from surveillance_domain.commands.comparison_answer import comparison_content, comparison_tables, write_comparison
     from surveillance_domain.commands.folder import ready_folder
     from surveillance_domain.experiments.comparison import Plan
+    from surveillance_domain.experiments.kept_runs import KeptRuns
     from surveillance_domain.experiments.setup import Setup, check_setup
 
     changed = overrides(option, detection_probability, cell_noise_m)
@@ -74,7 +81,9 @@ def compare(
         raise InputError(f"two different site files have the same name: {', '.join(labels)}; rename one")
     setups = tuple(Setup(site, count, **changed) for site in found for count in counts)
     plan = Plan(setups, names, truth_kind(truth), steps, seed)
-    outcome = compared(plan, runs, workers or processors(), progress)
+    with input_checked():
+        kept = None if out is None else KeptRuns(out / "runs.jsonl")
+    outcome = compared(plan, runs, workers or processors(), progress, kept, cluster)
     inputs = {site.name: f"sha256:{site.digest}" for site in found.values()}
     named = {given: site.name for given, site in found.items()}
     content = comparison_content(plan, runs, outcome, named, COMMAND_LINE.get(), inputs)
@@ -89,15 +98,34 @@ def compare(
         raise typer.Exit(INTERRUPTED)
 
 
-def compared(plan: Plan, runs: int, workers: int, progress: bool | None = None) -> Outcome:
-    """Do all runs of a plan, watched."""
+def compared(
+    plan: Plan,
+    runs: int,
+    workers: int,
+    progress: bool | None = None,
+    kept: KeptRuns | None = None,
+    cluster: str | None = None,
+) -> Outcome:
+    """Do all runs of a plan, watched; those that are kept already are not done again."""
     from surveillance_domain.commands.progress import progress_bar
-    from surveillance_domain.experiments.jobs import blocks, run_jobs
+    from surveillance_domain.experiments.cluster import ClusterError, run_on_cluster
+    from surveillance_domain.experiments.jobs import Outcome, blocks, run_jobs
 
-    jobs = [job for case in plan.cases for job in blocks(case, range(runs))]
+    numbers = {case: range(runs) if kept is None else kept.missing(case, range(runs)) for case in plan.cases}
+    jobs = [job for case in plan.cases for job in blocks(case, numbers[case])]
     work = sum(_work(job.case.setup.targets) * len(job.runs) for job in jobs)
-    with workers_checked(), progress_bar("comparing", work, progress) as advance:
-        return run_jobs(jobs, workers, lambda batch: advance(sum(_work(one.case.setup.targets) for one in batch)))
+    with workers_checked(), input_checked((ClusterError,)), progress_bar("comparing", work, progress) as advance:
+
+        def tell(batch: Sequence[Finished]) -> None:
+            if kept is not None:
+                kept.keep(batch)
+            advance(sum(_work(one.case.setup.targets) for one in batch))
+
+        outcome = run_jobs(jobs, workers, tell) if cluster is None else run_on_cluster(jobs, cluster, tell)
+    if kept is None:
+        return outcome
+    found = {case: {n: run for n, run in kept.of(case).items() if n < runs} for case in plan.cases}
+    return Outcome(found, outcome.interrupted)
 
 
 def _work(targets: int) -> int:

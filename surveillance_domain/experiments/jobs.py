@@ -21,7 +21,7 @@ from surveillance_domain.control.loop import Step
 from surveillance_domain.experiments.runs import Run, simulate_run
 from surveillance_domain.experiments.setup import Case, surveillance_of
 
-__all__ = ["Finished", "Job", "Outcome", "blocks", "run_jobs"]
+__all__ = ["Finished", "Job", "Outcome", "blocks", "do_job", "run_jobs"]
 
 _ONE_THREAD = {
     name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -118,7 +118,7 @@ def _in_workers(jobs: Sequence[Job], workers: int, keep: _Told, tell: _Told | No
     futures: list[Future[list[Finished]]] = []
     try:
         with _one_thread_each(), _interrupts_held():
-            futures.extend(pool.submit(_do, job) for job in jobs)
+            futures.extend(pool.submit(do_job, job) for job in jobs)
         for future in as_completed(futures):
             batch = future.result()
             keep(batch)
@@ -161,7 +161,7 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _do(job: Job) -> list[Finished]:
+def do_job(job: Job) -> list[Finished]:
     """A job's runs; those finished so far if the stop is called."""
     done: list[Finished] = []
     try:

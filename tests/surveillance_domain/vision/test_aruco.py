@@ -82,20 +82,21 @@ def test_a_marker_that_the_edge_cuts_is_not_found() -> None:
 @given(
     camera=st.sampled_from(LEGO.cameras),
     preset=st.integers(0, 2),
-    x=st.floats(0, 3.0),
-    y=st.floats(0, 2.4),
+    across=st.floats(0.1, 0.9),
+    down=st.floats(0.1, 0.9),
     heading=st.floats(0, 2 * math.pi),
     zoom=st.sampled_from([1.0, 800.0]),
 )
 def test_a_marker_in_view_is_found_where_it_is(
-    camera: Camera, preset: int, x: float, y: float, heading: float, zoom: float
+    camera: Camera, preset: int, across: float, down: float, heading: float, zoom: float
 ) -> None:
     at = camera.presets[preset]
-    view, place = pinhole(camera, at.pan, at.tilt, zoom), np.array([x, y])
+    view = pinhole(camera, at.pan, at.tilt, zoom)
+    (place,) = view.on_plane(np.array([[across * view.width, down * view.height]]))
     assume(seen_whole(view, place, 0.142, (0.0, 0.1)))
     picture = pixels_of(LEGO, view, [place], [heading])
     found = MarkerDetector(LEGO.markers or MARKERS).detect(picture)
     here = ground(camera, Position(at.pan, at.tilt, zoom), (view.width, view.height))
     (one,) = located(here, LEGO.grid, found)
     assert one.detection.identity == 0
-    assert one.point_m == pytest.approx((x, y), abs=0.01)
+    assert one.point_m == pytest.approx(tuple(place), abs=0.01)

@@ -75,16 +75,19 @@ def test_colours_without_hue_are_left_out() -> None:
 @given(
     camera=st.sampled_from(LEGO.cameras),
     preset=st.sampled_from(["left", "middle", "right"]),
-    x=st.floats(0, 3.0),
-    y=st.floats(0, 2.4),
+    across=st.floats(0.1, 0.9),
+    down=st.floats(0.1, 0.9),
     heading=st.floats(0, 2 * math.pi),
 )
-def test_a_body_in_view_is_found_where_it_is(camera: Camera, preset: str, x: float, y: float, heading: float) -> None:
-    view, place = preset_view(camera, preset), np.array([x, y])
+def test_a_body_in_view_is_found_where_it_is(
+    camera: Camera, preset: str, across: float, down: float, heading: float
+) -> None:
+    view = preset_view(camera, preset)
+    (place,) = view.on_plane(np.array([[across * view.width, down * view.height]]))
     assume(seen_whole(view, place, 0.142, (0.0, 0.1)))
     found = BlobDetector({"red": RED, "blue": BLUE}, 0.1).detect(pixels_of(LEGO, view, [place], [heading]))
     (at,) = [one for one in camera.presets if one.name == preset]
     here = ground(camera, Position(at.pan, at.tilt, at.zoom), (view.width, view.height))
     (one,) = located(here, LEGO.grid, found)
     assert one.detection.identity == "red"
-    assert one.point_m == pytest.approx((x, y), abs=0.03)
+    assert one.point_m == pytest.approx(tuple(place), abs=0.03)

@@ -101,7 +101,7 @@ def test_within_a_group_nothing_is_reported() -> None:
 
 
 @pytest.mark.property
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(ending_models())
 def test_counterexamples_of_random_models_are_right(model: fp.FactoredPOMDP) -> None:
     for tie in fp.decompose(model).ties:

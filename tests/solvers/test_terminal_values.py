@@ -19,7 +19,7 @@ from tests.ending_models import ending_models
 
 
 @pytest.mark.property
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(ending_models(), st.integers(0, 2**32 - 1), st.booleans())
 def test_values_of_both_solvers_are_the_expansions(model: fp.FactoredPOMDP, seed: int, sparse: bool) -> None:
     rng, flat = np.random.default_rng(seed), fp.joint(model)
@@ -39,7 +39,7 @@ def test_values_of_both_solvers_are_the_expansions(model: fp.FactoredPOMDP, seed
 
 
 @pytest.mark.property
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(ending_models(), st.integers(0, 2**32 - 1))
 def test_mass_in_terminal_states_is_left_out_of_a_decision(model: fp.FactoredPOMDP, seed: int) -> None:
     rng, flat = np.random.default_rng(seed), fp.joint(model)
@@ -97,7 +97,7 @@ def test_upper_bound_by_blocks_where_ending_saves_costs() -> None:
 
 
 @pytest.mark.property
-@settings(max_examples=15)
+@settings(max_examples=8)
 @given(ending_models(most_states=2))
 def test_being_told_of_the_end_changes_no_value(model: fp.FactoredPOMDP) -> None:
     flat = fp.joint(model)

@@ -88,7 +88,7 @@ def test_an_episode_that_is_known_to_be_over_is_refused() -> None:
 
 
 @pytest.mark.property
-@settings(max_examples=25)
+@settings(max_examples=18)
 @given(ending_models(), st.integers(0, 2**32 - 1))
 def test_all_beliefs_are_the_running_part_of_the_expansions(model: fp.FactoredPOMDP, seed: int) -> None:
     rng, world, flat = np.random.default_rng(seed), fp.Simulation(model), fp.joint(model)
@@ -109,7 +109,7 @@ def test_all_beliefs_are_the_running_part_of_the_expansions(model: fp.FactoredPO
 
 
 @pytest.mark.property
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(ending_models(), st.integers(0, 2**32 - 1))
 def test_two_steps_without_a_look_are_those_of_the_expansion(model: fp.FactoredPOMDP, seed: int) -> None:
     rng, flat = np.random.default_rng(seed), fp.joint(model)
@@ -122,7 +122,7 @@ def test_two_steps_without_a_look_are_those_of_the_expansion(model: fp.FactoredP
 
 
 @pytest.mark.property
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(ending_models(), st.integers(0, 2**32 - 1))
 def test_random_beliefs_hold_no_mass_in_terminal_states(model: fp.FactoredPOMDP, seed: int) -> None:
     rng, flat = np.random.default_rng(seed), fp.joint(model)
@@ -134,7 +134,7 @@ def test_random_beliefs_hold_no_mass_in_terminal_states(model: fp.FactoredPOMDP,
 
 
 @pytest.mark.property
-@settings(max_examples=15)
+@settings(max_examples=8)
 @given(random_models(3), st.integers(0, 2**32 - 1))
 def test_terminal_states_that_are_none_change_nothing(model: fp.FactoredPOMDP, seed: int) -> None:
     same = with_end(model, fp.DenseFactor((), 0.0))

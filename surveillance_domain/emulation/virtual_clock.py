@@ -1,11 +1,11 @@
 """A clock that jumps: when everybody who is at work sleeps, it is at once the time at which the first one wakes.
 
 It counts those at work. The thread that made the clock is one of them; `together` puts its tasks in the caller's
-place, and the last of them gives it back, unless the caller's deadline came first. A thread that does something for another that waits for it, such as a
-server for its client, is not counted: its sleep is the other's. When the count falls to zero, the clock moves on to
-the earliest waking time and wakes all whose time it is, each of whom counts again before anybody runs; so sleeps
-overlap as they would on a wall clock, and what the time is when someone wakes does not depend on how quick the
-machine is.
+place, and the last of them gives it back, unless the caller's deadline came first. A thread that does something for
+another that waits for it, such as a server for its client, is not counted: its sleep is the other's. When the count
+falls to zero, the clock moves on to the earliest waking time and wakes all whose time it is, each of whom counts again
+before anybody runs; so sleeps overlap as they would on a wall clock, and what the time is when someone wakes does not
+depend on how quick the machine is.
 """
 
 from __future__ import annotations

@@ -1,0 +1,106 @@
+"""How the subcommands ask for recorded trajectories, and read them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from factored_pomdp.commands.answers import InputError, side_console
+from surveillance_domain.commands.options import input_checked
+
+if TYPE_CHECKING:
+    from surveillance_domain.trajectories.conventions import Conventions
+    from surveillance_domain.trajectories.tracks import Tracks
+
+__all__ = [
+    "Columns",
+    "FastestMps",
+    "FramesPerS",
+    "HomographyFile",
+    "MaxGap",
+    "MetresPerUnit",
+    "conventions",
+    "count_lines",
+    "digest_of",
+    "read_tracks",
+]
+
+FramesPerS = Annotated[
+    float | None,
+    typer.Option(help="Frames a second (ETH 15, UCY 25); not needed with TrajNet++, or with a column time_s."),
+]
+MetresPerUnit = Annotated[float | None, typer.Option(help="Where positions are not metres: how long a pixel … is.")]
+HomographyFile = Annotated[
+    Path | None,
+    typer.Option("--homography", metavar="FILE", help="Three rows of three numbers, from points to metres."),
+]
+Columns = Annotated[
+    str | None,
+    typer.Option(metavar="NAME=HEADER,…", help="Of a CSV file: frame or time_s, id, x, y, and their headers."),
+]
+MaxGap = Annotated[float, typer.Option("--max-gap-s", help="Longer gaps are not filled; the track is cut there.")]
+FastestMps = Annotated[float, typer.Option("--fastest-mps", help="Faster moves are jumps; the track is cut there.")]
+
+
+def conventions(
+    frames_per_s: float | None, metres_per_unit: float | None, homography: Path | None, columns: str | None
+) -> Conventions:
+    """The options put together.
+
+    Raises
+    ------
+    InputError
+        For numbers that are not above zero, or text that does not read as columns.
+    """
+    from surveillance_domain.trajectories.conventions import Conventions, read_homography
+
+    for name, value in (("--frames-per-s", frames_per_s), ("--metres-per-unit", metres_per_unit)):
+        if value is not None and not 0 < value < float("inf"):
+            raise InputError(f"{name} {value:g}: expected a number above 0")
+    with input_checked():
+        matrix = None if homography is None else read_homography(homography)
+    return Conventions(frames_per_s, metres_per_unit, matrix, columns=_columns(columns))
+
+
+def _columns(text: str | None) -> dict[str, str] | None:
+    if text is None:
+        return None
+    pairs = [part.partition("=") for part in text.split(",")]
+    wrong = [key for key, equals, header in pairs if not (equals and key.strip() and header.strip())]
+    if wrong:
+        raise InputError(f"--columns {text}: expected NAME=HEADER, such as x=pos_x,id=person")
+    return {key.strip(): header.strip() for key, _, header in pairs}
+
+
+def read_tracks(path: Path, given: Conventions, max_gap_s: float, fastest_mps: float) -> Tracks:
+    """A file's tracks; what looks wrong but was taken as it stands is told on standard error.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong with the file.
+    """
+    from surveillance_domain.trajectories.cleaning import Limits
+    from surveillance_domain.trajectories.load import load_tracks
+
+    if not (max_gap_s >= 0 and fastest_mps > 0):
+        raise InputError(f"--max-gap-s {max_gap_s:g}, --fastest-mps {fastest_mps:g}: expected 0 or more, and above 0")
+    with input_checked():
+        found = load_tracks(path, given, Limits(max_gap_s, fastest_mps))
+    for warning in found.warnings:
+        side_console().print(f"{path}: {warning}", style="yellow", soft_wrap=True)
+    return found
+
+
+def digest_of(path: Path) -> str:
+    """SHA-256 of a file's bytes."""
+    return f"sha256:{hashlib.sha256(path.read_bytes()).hexdigest()}"
+
+
+def count_lines(counts: Mapping[str, int]) -> list[tuple[str, str]]:
+    """Counts of a file as lines of a table, those that are zero left out."""
+    return [(name.replace("_", " "), f"{number:,}") for name, number in counts.items() if number]

@@ -1,0 +1,55 @@
+"""Columns of numbers without a header: ``frame id x y`` as Social-GAN ships ETH and UCY, and EWAP's ``obsmat.txt``.
+
+``obsmat.txt`` has eight columns: frame, id, x, z, y, vx, vz, vy, of which z is not used and the velocities are metres a
+second. Columns stand apart by spaces, tabs or commas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from surveillance_domain.trajectories.rows import Rows, RowsBuilder, number_of, track_name
+
+__all__ = ["read_frame_text", "read_obsmat"]
+
+
+def read_frame_text(lines: Sequence[str], source: str) -> Rows:
+    """Four columns: frame, id, x, y.
+
+    Raises
+    ------
+    TrajectoryError
+        Naming every line that does not hold four finite numbers.
+    """
+    return _read(lines, source, ("frame", "id", "x", "y"), ("frame", "x", "y"))
+
+
+def read_obsmat(lines: Sequence[str], source: str) -> Rows:
+    """Eight columns: frame, id, x, z, y, vx, vz, vy.
+
+    Raises
+    ------
+    TrajectoryError
+        Naming every line that does not hold eight finite numbers.
+    """
+    return _read(lines, source, ("frame", "id", "x", "z", "y", "vx", "vz", "vy"), ("frame", "x", "y", "vx", "vy"))
+
+
+def _read(lines: Sequence[str], source: str, columns: tuple[str, ...], used: tuple[str, ...]) -> Rows:
+    builder = RowsBuilder(source)
+    expected = f"{len(columns)} numbers: {', '.join(columns)}"
+    for number, line in enumerate(lines, start=1):
+        words = line.replace(",", " ").split()
+        if not words:
+            continue
+        if len(words) != len(columns):
+            builder.fault(number, f"{len(words)} columns", expected)
+            continue
+        values = {name: number_of(word) for name, word in zip(columns, words, strict=True) if name != "id"}
+        wrong = [name for name, value in values.items() if value is None]
+        if wrong:
+            found = ", ".join(f"{name} = {words[columns.index(name)]!r}" for name in wrong)
+            builder.fault(number, found, f"finite numbers for {', '.join(values)}")
+            continue
+        builder.add(number, track_name(words[1]), [float(values[name] or 0.0) for name in used])
+    return builder.rows_read()

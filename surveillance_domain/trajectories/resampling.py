@@ -1,0 +1,39 @@
+"""Tracks at the pace of the control loop."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surveillance_domain.trajectories.tracks import Track
+
+__all__ = ["resampled"]
+
+_ROUNDING = 1e-9
+
+
+def resampled(track: Track, step_s: float, origin_s: float | None = None) -> Track | None:
+    """The track at every ``step_s`` seconds, by straight lines between its points.
+
+    Parameters
+    ----------
+    track : Track
+    step_s : float
+    origin_s : float, optional
+        The raster's zero, common to all tracks; without it each track starts at its own first point.
+
+    Returns
+    -------
+    Track or None
+        ``None`` where the raster meets the track not at all.
+    """
+    first, last = float(track.times_s[0]), float(track.times_s[-1])
+    origin = first if origin_s is None else origin_s
+    begin = math.ceil((first - origin) / step_s - _ROUNDING)
+    end = math.floor((last - origin) / step_s + _ROUNDING)
+    if end < begin:
+        return None
+    times = origin + step_s * np.arange(begin, end + 1)
+    points = np.stack([np.interp(times, track.times_s, column) for column in track.points_m.T], axis=1)
+    return Track(track.name, times, points)

@@ -17,6 +17,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     from factored_pomdp.commands.convert import convert
     from factored_pomdp.commands.decompose import decompose
     from factored_pomdp.commands.domains import domains
+    from factored_pomdp.commands.graph import graph
     from factored_pomdp.commands.info import info
     from factored_pomdp.commands.new_domain import new_domain
     from factored_pomdp.commands.simulate import simulate
@@ -32,7 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-    for command in (domains, info, decompose, verify, solvers, solve, simulate, convert, new_domain):
+    for command in (domains, info, decompose, verify, graph, solvers, solve, simulate, convert, new_domain):
         application.command()(answers.guarded(command))
     given = list(sys.argv[1:] if arguments is None else arguments)
     token = answers.COMMAND_LINE.set(shlex.join(["factored-pomdp", *given]))

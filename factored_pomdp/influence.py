@@ -10,7 +10,7 @@ from factored_pomdp.factors import Cause, DeterministicFactor, Factor, NoisyOr, 
 from factored_pomdp.factors.sparse import unflatten
 from factored_pomdp.variables import Value, Variable
 
-__all__ = ["Influences", "Witness", "influence"]
+__all__ = ["Influences", "Reducer", "Witness", "influence"]
 
 _SAME = 1e-12
 
@@ -50,6 +50,27 @@ class Influences:
     def scope(self, factor: Factor) -> tuple[Variable, ...]:
         """The variables of the scope that make a numeric difference."""
         return tuple(variable for variable in factor.scope if self.of(factor, variable) is not None)
+
+
+class Reducer:
+    """Leaves out the variables that make no difference, once for factors that share their tables."""
+
+    def __init__(self) -> None:
+        self._influences = Influences()
+        self._done: dict[tuple[object, ...], tuple[Factor, Factor]] = {}
+
+    def reduced(self, factor: Factor, child: str | None) -> Factor:
+        """The factor without its idle variables; its ``child`` stays."""
+        position = factor.names.index(child) if child is not None else None
+        key = (*factor.storage, position, *(id(variable.values) for variable in factor.scope))
+        if key not in self._done:
+            kept = {variable.name for variable in self._influences.scope(factor)} | {child}
+            idle = {variable.name: variable.values[0] for variable in factor.scope if variable.name not in kept}
+            self._done[key] = factor, factor.condition(idle) if idle else factor
+        first, short = self._done[key]
+        return (
+            short if first.names == factor.names else short.renamed(dict(zip(first.names, factor.names, strict=True)))
+        )
 
 
 def influence(factor: Factor, variable: Variable) -> Witness | None:

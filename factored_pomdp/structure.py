@@ -21,7 +21,7 @@ import numpy as np
 
 from factored_pomdp.contraction import contract_ancestors
 from factored_pomdp.factors import DenseFactor, Factor, NoisyOr
-from factored_pomdp.influence import Influences
+from factored_pomdp.influence import Reducer
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.separation import additive_parts, multiplicative_parts
 from factored_pomdp.validation import is_certain
@@ -136,8 +136,7 @@ def structure_of(model: FactoredPOMDP) -> Structure:
 class _Finder:
     def __init__(self, model: FactoredPOMDP) -> None:
         self.model, self.states = model, set(model.states)
-        influences = Influences()
-        reduced = _Reducer(influences).reduced
+        reduced = Reducer().reduced
         self.initial = {x: reduced(f, x) for x, f in model.initial.items()}
         self.transition = {x: reduced(f, f"{x}.next") for x, f in model.transition.items()}
         self.observation = {o: reduced(f, o) for o, f in model.observation.items()}
@@ -364,26 +363,6 @@ class _Finder:
         for name, table, thing in terms:
             blocks[roots[thing]].rewards.append((name, table))
         return tuple(blocks.values())
-
-
-class _Reducer:
-    """Leaves out the variables that make no difference, once for factors that share their tables."""
-
-    def __init__(self, influences: Influences) -> None:
-        self._influences = influences
-        self._done: dict[tuple[object, ...], tuple[Factor, Factor]] = {}
-
-    def reduced(self, factor: Factor, child: str | None) -> Factor:
-        position = factor.names.index(child) if child is not None else None
-        key = (*factor.storage, position, *(id(variable.values) for variable in factor.scope))
-        if key not in self._done:
-            kept = {variable.name for variable in self._influences.scope(factor)} | {child}
-            idle = {variable.name: variable.values[0] for variable in factor.scope if variable.name not in kept}
-            self._done[key] = factor, factor.condition(idle) if idle else factor
-        first, short = self._done[key]
-        return (
-            short if first.names == factor.names else short.renamed(dict(zip(first.names, factor.names, strict=True)))
-        )
 
 
 def _going_on(running: Factor) -> DenseFactor:

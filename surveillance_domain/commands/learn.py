@@ -217,15 +217,16 @@ def _draw(fit: MotionFit, judging: Any, picture: Path, names: Sequence[str], rng
 
 
 def _write(path: Path, fit: MotionFit) -> Path:
-    from surveillance_domain.site.rewriting import rewrite_table
+    """Set the learned keys of ``[targets]`` and leave everything else in the file as it is."""
+    import tomlkit
 
-    values: dict[str, float | list[float]] = {
-        "speeds_mps": [round(speed, 3) for speed in fit.speeds_mps],
-        "sigma_direction_deg": round(fit.sigma_direction_deg, 3),
-        "sigma_speed_mps": round(fit.sigma_speed_mps, 4),
-    }
-    with input_checked():
-        rewrite_table(path, "targets", values)
+    from surveillance_domain.site.editing import edited_site
+
+    with input_checked((ValueError, OSError)), edited_site(path) as document:
+        targets: Any = document.setdefault("targets", tomlkit.table())
+        targets["speeds_mps"] = [round(speed, 3) for speed in fit.speeds_mps]
+        targets["sigma_direction_deg"] = round(fit.sigma_direction_deg, 3)
+        targets["sigma_speed_mps"] = round(fit.sigma_speed_mps, 4)
     return path
 
 

@@ -58,6 +58,29 @@ def test_learn_writes_a_site_and_a_picture(surveillance: Callable[..., Any], peo
 
 
 @pytest.mark.end_to_end
+def test_writing_leaves_all_else_in_the_site_file(
+    surveillance: Callable[..., Any], people: Path, tmp_path: Path
+) -> None:
+    site = tmp_path / "site.toml"
+    for name, step_s in (("hall", "1.0"), ("corridor", "1.0"), ("lego", "1.5")):
+        before = (BUILTIN / f"{name}.toml").read_text()
+        assert f"step_s = {step_s}" in before
+        site.write_text(before)
+        answer = surveillance("learn", people, "--step-s", step_s, "--cell-m", 1, "--frames-per-s", 20, "--write", site)
+        assert answer.code == 0, answer.err
+        changed = {"speeds_mps", "sigma_direction_deg", "sigma_speed_mps"}
+
+        def others(text: str, changed: set[str] = changed) -> list[str]:
+            return [line for line in text.splitlines() if line.split(" = ")[0] not in changed]
+
+        assert others(site.read_text()) == others(before)
+        found, was = load_site(site), load_site(name)
+        kept = set(type(was.targets).model_fields) - changed
+        assert all(getattr(found.targets, key) == getattr(was.targets, key) for key in kept)
+        assert found.cameras == was.cameras
+
+
+@pytest.mark.end_to_end
 @pytest.mark.parametrize(
     ("words", "told"),
     [

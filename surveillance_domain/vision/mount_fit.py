@@ -6,7 +6,7 @@ tell how it turned. A pan offset is the same as another orientation of the mount
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +24,8 @@ __all__ = ["MountFit", "fit_mount"]
 
 _SIGMA_PX = 1.5
 _LEAST_MISFIT_PX = 5.0
-_YAW_STARTS = 12
+_YAW_STEP_DEG = 5.0
+_FAR_PX = 100.0
 _ANGLES = ("yaw_deg", "pitch_deg", "roll_deg")
 _SIGMAS = np.array([90.0, 5.0, 5.0, 0.1, 0.3, 0.3, 0.3])
 """How far from the site's numbers the truth may well be: degrees, log of the focal length, metres."""
@@ -95,12 +96,9 @@ def fit_mount(camera: Camera, points: Sequence[FloorPoint], focal: bool = True, 
         return np.concatenate([rays.misses_px(change)[counted].ravel() / _SIGMA_PX, numbers / _SIGMAS[free]])
 
     everything = np.ones(len(points), dtype=bool)
-    tries = []
-    for yaw in np.arange(_YAW_STARTS) * 360 / _YAW_STARTS:
-        start = np.zeros(int(free.sum()))
-        start[0] = (yaw + 180) % 360 - 180
-        tries.append(least_squares(misses, start, loss="cauchy", x_scale=_SIGMAS[free], args=(everything,)))
-    numbers = min(tries, key=lambda one: one.cost).x
+    start = np.zeros(int(free.sum()))
+    start[0] = _nearest_yaw(rays)
+    numbers = least_squares(misses, start, loss="cauchy", x_scale=_SIGMAS[free], args=(everything,)).x
     change = np.zeros(len(_SIGMAS))
     change[free] = numbers
     fits = _fitting(np.linalg.norm(rays.misses_px(change), axis=1))
@@ -113,28 +111,37 @@ class _Rays:
     """Pixels as rays in the camera's own frame, against the directions of their points."""
 
     def __init__(self, camera: Camera, points: Sequence[FloorPoint]) -> None:
-        presets = _presets(camera)
-        self._camera = camera
-        self._presets = [presets[point.preset] for point in points]
+        presets = {preset.name: preset for preset in camera.presets}
+        at = [presets[point.preset] for point in points]
+        self._mount = camera.mount
         self._places = np.array([(*point.place_m, point.height_m) for point in points])
-        views = [pinhole(camera, one.pan, one.tilt, one.zoom) for one in self._presets]
+        views = [pinhole(camera, one.pan, one.tilt, one.zoom) for one in at]
         centre = np.array(views[0].centre_px)
         self._focal_px = np.array([view.focal_px for view in views])
         self._left_up_px = centre - np.array([point.pixel for point in points])
+        level = orientation(camera.mount, 0.0, 0.0)
+        self._turned = np.stack([level.T @ orientation(camera.mount, one.pan, one.tilt) for one in at])
 
     def misses_px(self, change: Float[np.ndarray, "7"]) -> Float[np.ndarray, "points 3"]:
-        """Between unit vectors, times the focal length."""
-        mount = self._camera.mount.model_copy(
-            update={key: getattr(self._camera.mount, key) + change[n] for n, key in enumerate(_ANGLES)}
+        """Chords between the unit vectors towards points and along rays, times the focal length."""
+        mount = self._mount.model_copy(
+            update={key: getattr(self._mount, key) + float(change[n]) for n, key in enumerate(_ANGLES)}
         )
         away = self._places - (np.asarray(mount.position_m) + change[4:7])
-        axes = {preset.name: orientation(mount, preset.pan, preset.tilt) for preset in self._presets}
-        seen = np.stack([one @ axes[preset.name] for one, preset in zip(away, self._presets, strict=True)])
+        seen = np.einsum("pi,pij->pj", away @ orientation(mount, 0.0, 0.0), self._turned)
         focal = self._focal_px * np.exp(change[3])
         rays = np.column_stack([focal, self._left_up_px])
         unit = [vectors / np.linalg.norm(vectors, axis=1, keepdims=True) for vectors in (seen, rays)]
         chord: Float[np.ndarray, "points 3"] = (unit[0] - unit[1]) * focal[:, None]
         return chord
+
+
+def _nearest_yaw(rays: _Rays) -> float:
+    """The turn, among those of whole steps, that brings most points near to their rays; of equals the least."""
+    turns = np.arange(-180.0, 180.0, _YAW_STEP_DEG)
+    away = [np.linalg.norm(rays.misses_px(np.array([turn, 0, 0, 0, 0, 0, 0])), axis=1) for turn in turns]
+    costs = np.log1p((np.array(away) / _FAR_PX) ** 2).sum(axis=1)
+    return float(turns[np.lexsort([np.abs(turns), costs])[0]])
 
 
 def _fitting(misses_px: Float[np.ndarray, " points"]) -> Bool[np.ndarray, " points"]:
@@ -168,10 +175,6 @@ def _narrowed(hfov_deg: float, scale: float) -> float:
     """The field of view of a longer focal length."""
     half = np.tan(np.radians(hfov_deg) / 2) / scale
     return round(float(2 * np.degrees(np.arctan(half))), 4)
-
-
-def _presets(camera: Camera) -> Mapping[str, Preset]:
-    return {preset.name: preset for preset in camera.presets}
 
 
 def _residuals(camera: Camera, points: Sequence[FloorPoint]) -> tuple[PointResidual, ...]:

@@ -12,6 +12,7 @@ from solvers.flat import FlatModel
 
 if TYPE_CHECKING:
     from solvers.policy import VectorPolicy
+    from solvers.two_states import TwoStates
 
 __all__ = ["Clock", "Limits", "Progress", "Solution", "Stopwatch"]
 
@@ -105,6 +106,20 @@ class Solution:
         if self.policy is None:
             raise ValueError(f"{self.solver} made no policy that could be written to {path}")
         save_policy(self.policy, path)
+
+    def two_states(self) -> TwoStates:
+        """The value function of a problem with two states, ready to be drawn.
+
+        Raises
+        ------
+        ValueError
+            Where there is no policy, or the states are not two, or can be told apart.
+        """
+        from solvers.two_states import two_states
+
+        if self.policy is None:
+            raise ValueError(f"{self.solver} made no policy that could be drawn")
+        return two_states(self.policy)
 
 
 class Stopwatch:

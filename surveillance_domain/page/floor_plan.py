@@ -62,7 +62,7 @@ class FloorPlan:
         )
         self.figure.axis.visible = False
         self.figure.grid.visible = False
-        self._heat: ColumnDataSource = ColumnDataSource({"image": [heat_of(None, None, self._grid)]}, name="heat")
+        self._heat: ColumnDataSource = ColumnDataSource({"image": [heat_of(None, self._grid)]}, name="heat")
         self._fields = [ColumnDataSource(_quads(self._grid, None), name=f"field-{n}") for n in self._numbers]
         self._edges = [ColumnDataSource(_segments(self._grid, None)) for _ in self._numbers]
         self._cameras = ColumnDataSource(self._marked(()), name="cameras")
@@ -71,12 +71,12 @@ class FloorPlan:
         self._truth = ColumnDataSource({"x": [], "y": [], "fill": [], "name": []}, name="truth")
         self._draw()
 
-    def show(self, snapshot: Snapshot, target: int | None) -> None:
+    def show(self, snapshot: Snapshot, target: str | None) -> None:
         """Set everything to a step.
 
         Parameters
         ----------
-        target : int or None
+        target : str or None
             Whose belief; ``None``: the sum over all targets.
         """
         self.show_belief(snapshot, target)
@@ -88,14 +88,16 @@ class FloorPlan:
                 self._edges[number].data = _segments(self._grid, member)
         self._cameras.data = self._marked(snapshot.cameras)
         self._arrows.data = self._pointing(snapshot.cameras)
-        seen = np.array([cell for cell in snapshot.seen_at if cell is not None], dtype=float).reshape(-1, 2)
+        seen = np.array(list(snapshot.seen_at.values()), dtype=float).reshape(-1, 2)
         centres = (seen + 0.5) * self._grid.cell_m + np.asarray(self._grid.origin_m)
         self._sightings.data = {"x": centres[:, 0].tolist(), "y": centres[:, 1].tolist()}
         self._truth.data = self._true(snapshot)
 
-    def show_belief(self, snapshot: Snapshot, target: int | None) -> None:
+    def show_belief(self, snapshot: Snapshot, target: str | None) -> None:
         """Set the heat map alone to the belief of a target, or of all."""
-        self._heat.data = {"image": [heat_of(snapshot.belief, target, self._grid)]}
+        wanted = [target is None or one == target for one in snapshot.targets]
+        belief = None if snapshot.belief is None else snapshot.belief[wanted]
+        self._heat.data = {"image": [heat_of(belief, self._grid)]}
 
     @property
     def _numbers(self) -> range:
@@ -162,23 +164,19 @@ class FloorPlan:
         }
 
     def _true(self, snapshot: Snapshot) -> dict[str, list[Any]]:
-        if snapshot.positions_m is None:
-            return {"x": [], "y": [], "fill": [], "name": []}
-        named = len(self._surveillance.targets) <= _MOST_NAMED
+        truth = snapshot.truth_m or {}
         return {
-            "x": snapshot.positions_m[:, 0].tolist(),
-            "y": snapshot.positions_m[:, 1].tolist(),
-            "fill": ["#ffffff" if cell is None else INK for cell in snapshot.seen_at],
-            "name": [name if named else "" for name in self._surveillance.targets],
+            "x": [x for x, _ in truth.values()],
+            "y": [y for _, y in truth.values()],
+            "fill": [INK if target in snapshot.seen_at else "#ffffff" for target in truth],
+            "name": [target if len(truth) <= _MOST_NAMED else "" for target in truth],
         }
 
 
-def heat_of(
-    belief: Float32[np.ndarray, "targets cells"] | None, target: int | None, grid: Grid
-) -> Float32[np.ndarray, "rows columns"]:
-    """Expected number of targets, or of one target, in each cell; nan where there is a wall, 0 without a belief."""
+def heat_of(belief: Float32[np.ndarray, "targets cells"] | None, grid: Grid) -> Float32[np.ndarray, "rows columns"]:
+    """Expected number of targets in each cell, summed over targets; nan where there is a wall, 0 without a belief."""
     heat = np.full(grid.free.shape, np.nan, dtype=np.float32)
-    heat[grid.free] = 0.0 if belief is None else belief.sum(axis=0) if target is None else belief[target]
+    heat[grid.free] = 0.0 if belief is None else belief.sum(axis=0)
     return heat
 
 

@@ -27,7 +27,7 @@ def headline(snapshot: Snapshot | None, age_s: float = 0.0, overdue_s: float = f
         ("step", f"{snapshot.number:,}"),
         ("since the start", str(timedelta(seconds=int(snapshot.time_s)))),
         ("PercentObs", "no truth" if snapshot.percent_obs is None else f"{snapshot.percent_obs:.1f} %"),
-        ("seen now", f"{snapshot.seen} of {len(snapshot.seen_at)}"),
+        ("seen now", f"{snapshot.seen} of {snapshot.present}"),
         ("expected", "–" if snapshot.expected is None else f"{snapshot.expected:.2f}"),
         ("cameras with a view", f"{with_view} of {len(snapshot.cameras)}"),
         ("decision", f"{snapshot.decision_ms:.1f} ms"),

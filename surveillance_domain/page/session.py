@@ -57,17 +57,17 @@ class Session:
         from bokeh.models import CustomJS, Div, Select
 
         self._document, self._content, self._feed = document, content, feed
-        self._targets = content.surveillance.targets
+        targets = content.surveillance.targets
         site, styles = content.surveillance.site, _text("widgets.css")
         wide = {"sizing_mode": "stretch_width", "stylesheets": [styles], "disable_math": True}
         self._plan = FloorPlan(content.surveillance)
-        self._curves = Curves(len(self._targets), content.truth)
+        self._curves = Curves(len(targets), content.truth)
         self._health = HealthTable(site.cameras, content.holds, styles, self.update)
         self._headline, self._gallery = Div(name="headline", **wide), Div(name="gallery", **wide)
         self._select = Select(
             title="Belief of",
             value=_ALL,
-            options=[_ALL, *self._targets],
+            options=[_ALL, *targets],
             name="belief",
             visible=content.belief,
             width=220,
@@ -77,7 +77,7 @@ class Session:
             document.add_root(root)
         if content.pictures:
             document.add_root(self._gallery)
-        summary = f"{content.controller}, {len(self._targets)} target{'s' if len(self._targets) > 1 else ''}"
+        summary = f"{content.controller}, {len(targets)} target{'s' if len(targets) > 1 else ''}"
         document.title = f"{site.name}: {summary}"
         document.template = _template()
         document.template_variables.update(
@@ -110,6 +110,7 @@ class Session:
                 return
             snapshot = latest.snapshot
             self._headline.text = headline(snapshot, latest.age_s, self._overdue_s)
+            self._offer(snapshot.targets)
             self._plan.show(snapshot, self._target)
             self._curves.show(latest.course)
             self._health.show(snapshot.cameras)
@@ -121,8 +122,15 @@ class Session:
             self._document.unhold()
 
     @property
-    def _target(self) -> int | None:
-        return None if self._select.value == _ALL else self._targets.index(self._select.value)
+    def _target(self) -> str | None:
+        return None if self._select.value == _ALL else str(self._select.value)
+
+    def _offer(self, targets: tuple[str, ...]) -> None:
+        """Let the user choose among those that there are now."""
+        if self._select.value not in (_ALL, *targets):
+            self._select.value = _ALL
+        if self._select.options != [_ALL, *targets]:
+            self._select.options = [_ALL, *targets]
 
     def _show_belief(self) -> None:
         latest = self._feed.latest()

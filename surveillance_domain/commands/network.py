@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 from factored_pomdp.commands.answers import InputError
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from surveillance_domain.cameras.base import Camera
     from surveillance_domain.cameras.clock import Clock
     from surveillance_domain.model.build import Surveillance
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
     from surveillance_domain.world.network import NetworkWorld
     from surveillance_domain.world.truth import Truth
 
-__all__ = ["Network", "network_of"]
+__all__ = ["Network", "network_of", "opened"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +32,7 @@ class Network:
     surveillance : Surveillance
     cameras : tuple of Camera
     world : NetworkWorld
+    eyes : Eyes
     truth : callable or None
         The targets' true state, where the cameras are emulated.
     clock : Clock
@@ -38,6 +41,7 @@ class Network:
     surveillance: Surveillance
     cameras: tuple[Camera, ...]
     world: NetworkWorld
+    eyes: Eyes
     truth: Callable[[], Truth] | None
     clock: Clock
 
@@ -51,6 +55,7 @@ def network_of(
     seed: int,
     virtual: bool = False,
     pictures: bool = True,
+    strangers: int = 0,
     held: Callable[[], Collection[str]] = frozenset,
     moves: bool = True,
 ) -> Iterator[Network]:
@@ -64,6 +69,8 @@ def network_of(
         In virtual time; emulated cameras only.
     pictures : bool
         Find targets in pictures. Otherwise, with emulated cameras only, detections are drawn from the model.
+    strangers : int
+        Emulated cameras only: how many targets move there beside those of the model.
 
     Raises
     ------
@@ -75,8 +82,6 @@ def network_of(
     import numpy as np
 
     from surveillance_domain.cameras.clock import RealClock
-    from surveillance_domain.cameras.errors import CameraError
-    from surveillance_domain.cameras.opening import open_camera
     from surveillance_domain.model.build import surveillance_model
     from surveillance_domain.vision.opencv import opencv
     from surveillance_domain.world.network import NetworkWorld
@@ -92,20 +97,13 @@ def network_of(
 
             clock = VirtualClock() if virtual else clock
             opencv()
-            emulation = stack.enter_context(EmulatedSite(site, targets, clock, for_truth))
+            emulation = stack.enter_context(EmulatedSite(site, targets + strangers, clock, for_truth))
             surveillance = surveillance_model(emulation.site, targets)
             cameras: tuple[Camera, ...] = emulation.open_cameras(for_retries)
             truth = lambda: emulation.truth  # noqa: E731
         else:
             surveillance = surveillance_model(site, targets)
-            folder = site.path.parent if site.path is not None else None
-            luck = for_retries.spawn(len(site.cameras))
-            try:
-                cameras = tuple(
-                    open_camera(one, clock, rng, folder) for one, rng in zip(site.cameras, luck, strict=True)
-                )
-            except CameraError as problem:
-                raise InputError(f"site {site.name}: {problem}; or run it with --emulated") from None
+            cameras = opened(site, clock, for_retries)
         eyes: Eyes
         if pictures:
             from surveillance_domain.world.picture_eyes import PictureEyes
@@ -115,4 +113,35 @@ def network_of(
             eyes = TruthEyes(surveillance, emulation, for_eyes)
         world = NetworkWorld(surveillance.site, cameras, eyes, clock, held, moves)
         stack.callback(world.close)
-        yield Network(surveillance, cameras, world, truth, clock)
+        yield Network(surveillance, cameras, world, eyes, truth, clock)
+
+
+def opened(site: Site, clock: Clock, luck: np.random.Generator) -> tuple[Camera, ...]:
+    """The drivers of a site's cameras.
+
+    Parameters
+    ----------
+    luck : numpy.random.Generator
+        For the jitter of retries.
+
+    Raises
+    ------
+    InputError
+        Naming every camera that lacks its address, or the environment variable with its password.
+    """
+    from surveillance_domain.cameras.errors import CameraError
+    from surveillance_domain.cameras.opening import open_camera
+
+    folder = site.path.parent if site.path is not None else None
+    cameras: list[Camera] = []
+    faults: list[str] = []
+    for description, rng in zip(site.cameras, luck.spawn(len(site.cameras)), strict=True):
+        try:
+            cameras.append(open_camera(description, clock, rng, folder))
+        except CameraError as problem:
+            faults.append(str(problem))
+    if faults:
+        for camera in cameras:
+            camera.close()
+        raise InputError(f"site {site.name}: {'; '.join(faults)}")
+    return tuple(cameras)

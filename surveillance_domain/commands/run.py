@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from factored_pomdp.commands.answers import COMMAND_LINE, AsJson, InputError, answer, side_console, table
+from surveillance_domain.commands.live_page import Page, PageAddress, PageOrigin, PagePort
 from surveillance_domain.commands.options import Progress, Seed, SiteName, input_checked
+from surveillance_domain.commands.watch_state import alone, state_of
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -42,9 +44,16 @@ def run(
     pictures: Annotated[
         bool, typer.Option("--pictures/--no-pictures", help="Emulated: find targets in pictures, or draw detections.")
     ] = True,
+    strangers: Annotated[
+        int, typer.Option(min=0, help="Emulated: so many more move there that the site does not know.")
+    ] = 0,
     shadow: Annotated[bool, typer.Option("--shadow", help="Decide and record, but never move a camera.")] = False,
     park: Annotated[bool, typer.Option("--park", help="Send cameras home at the end; SIGTERM does so always.")] = False,
     record: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for the record.")] = None,
+    page: Page = False,
+    page_port: PagePort = None,
+    page_address: PageAddress = None,
+    page_origin: PageOrigin = None,
     seed: Seed = 0,
     progress: Progress = None,
     as_json: AsJson = False,
@@ -52,25 +61,25 @@ def run(
     """Run the cameras of a site: choose presets, turn cameras, look, learn; until stopped."""
     import signal
 
+    from surveillance_domain.commands.live_page import live_page, page_request
     from surveillance_domain.commands.network import network_of
     from surveillance_domain.commands.stopping import stop_when_asked
     from surveillance_domain.control.watch import Watch
-    from surveillance_domain.control.watch_state import AlreadyRun, WatchState
     from surveillance_domain.site.load import load_site
     from surveillance_domain.vision.opencv import VisionMissing
 
-    _refuse_mixture(emulated, fast, pictures, shadow)
+    _refuse_mixture(emulated, {"--fast": fast, "--no-pictures": not pictures, "--strangers": strangers > 0})
+    asked = page_request(page, page_port, page_address, page_origin)
+    if shadow and park:
+        raise InputError("--shadow never moves a camera, and --park does: leave one of them out")
     with input_checked():
         found = load_site(site)
     number = targets if targets is not None else max(1, len(found.targets.known))
     ends = None if until is None else _moment(until)
-    state = WatchState(found)
+    state = state_of(found)
     with ExitStack() as stack:
-        try:
-            if not shadow and not emulated:
-                stack.enter_context(state.locked())
-        except AlreadyRun as problem:
-            raise InputError(str(problem)) from None
+        if not shadow and not emulated:
+            stack.enter_context(alone(state))
         stop = stack.enter_context(stop_when_asked())
         with input_checked((ValueError, VisionMissing)):
             network = stack.enter_context(
@@ -81,6 +90,7 @@ def run(
                     seed=seed,
                     virtual=fast,
                     pictures=pictures,
+                    strangers=strangers,
                     held=state.held,
                     moves=not shadow,
                 )
@@ -88,25 +98,29 @@ def run(
         chosen = controller or found.control.controller
         acting = _controller(chosen, network.surveillance)
         _start(network.world)
+        alert = _alert(found)
         written = None if record is None else _record(record, found, network.surveillance, chosen, seed, emulated)
         if written is not None:
             stack.callback(written.close)
-        watch = Watch(network.world, acting, written, network.truth, _alert(found))
+        watch = Watch(network.world, acting, written, network.truth, alert)
         tell = _teller(watch, found, steps, progress)
+        show = stack.enter_context(live_page(asked, watch, network, state, chosen))
         for step in watch.turns():
             tell()
+            show(step)
             over = steps is not None and step.number >= steps
             if over or stop.asked or (ends is not None and datetime.now() >= ends):
                 break
-        parked = network.world.park(_parking_s(found)) if park or stop.signal is signal.SIGTERM else {}
+        homeward = park or (stop.signal is signal.SIGTERM and not shadow)
+        parked = network.world.park(_parking_s(found)) if homeward else {}
         content = _content(watch.summary(), found, network.surveillance, chosen, seed, parked)
     answer(content, _shown(content), as_json=as_json)
 
 
-def _refuse_mixture(emulated: bool, fast: bool, pictures: bool, shadow: bool) -> None:
-    for wrong, name in ((fast, "--fast"), (not pictures, "--no-pictures")):
-        if wrong and not emulated:
-            raise InputError(f"{name} is for emulated cameras only: add --emulated")
+def _refuse_mixture(emulated: bool, options: Mapping[str, bool]) -> None:
+    given = [name for name, is_given in options.items() if is_given]
+    if given and not emulated:
+        raise InputError(f"{', '.join(given)}: for emulated cameras only; add --emulated")
 
 
 def _moment(until: str) -> datetime:
@@ -124,15 +138,17 @@ def _controller(name: str, surveillance: Surveillance) -> Controller:
     from surveillance_domain.control.factory import Setting, make_controller
 
     try:
-        return make_controller(name, surveillance, Setting())
+        return make_controller(name, surveillance, Setting(open_roster=True))
     except ValueError as problem:
         raise InputError(f"--controller {name}: {problem}") from None
 
 
 def _start(world: NetworkWorld) -> None:
     """Get to know the cameras; one that is away is only told of, for it may return."""
+    from surveillance_domain.cameras.errors import OutsideLimits
+
     faults = world.start(_START_S)
-    clamped = [fault for fault in faults.values() if "would clamp" in fault]
+    clamped = [str(fault) for fault in faults.values() if isinstance(fault, OutsideLimits)]
     if clamped:
         raise InputError("\n".join(clamped))
     for fault in faults.values():
@@ -164,7 +180,12 @@ def _alert(site: Site) -> Alert | None:
         return None
     from surveillance_domain.commands.alerting import alerter
 
-    return alerter(command, site.name)
+    try:
+        return alerter(command, site.name)
+    except ValueError as problem:
+        raise InputError(
+            f"site {site.name}: operation.alert_command: found {command}, which is no command ({str(problem).lower()})"
+        ) from None
 
 
 def _teller(watch: Any, site: Site, steps: int | None, wanted: bool | None) -> Callable[[], None]:
@@ -227,6 +248,10 @@ def _shown(content: Mapping[str, Any]) -> list[RenderableType]:
         rows.add_row("targets seen a step", f"{content['seen']:.3f}")
         rows.add_row("expected", f"{content['expected_observed']:.3f}")
         rows.add_row("time of a decision, median", f"{content['decision_ms']['median']:.3f} ms")
+        rows.add_row("detections without identity, not used", str(content["without_identity"]))
+        rows.add_row("detections out of view, not used", str(content["out_of_view"]))
+    if content["roster"]:
+        rows.add_row("targets that came, that went", f"{content['roster']['started']}, {content['roster']['ended']}")
     cameras = table("camera", "state", "steps without a view", *(["parked"] if content["parked"] else []))
     for camera in content["cameras"]:
         parked = [content["parked"][camera["name"]]] if content["parked"] else []

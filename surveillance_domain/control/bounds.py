@@ -61,7 +61,7 @@ class FullInformationController:
         return self._planner.choose(self._estimates)
 
     def see(self, sighting: Sighting) -> None:
-        self._planner.turned(sighting.views)
+        self._planner.turned(sighting)
 
 
 class ClairvoyantController:

@@ -1,14 +1,21 @@
 """The choice of presets that P, MP, MSP and the full-information bound share: one step ahead, from a belief.
 
 A camera without a view (unavailable, or still turning) is left out: it keeps the preset that it was last sent to and is
-not counted on (model.md, "Known variables and actual views"). The others choose among the presets that they reach.
+not counted on (model.md, "Known variables and actual views"). One that people have is counted on where it looks, for it
+will get no command. The others choose among the presets that they reach.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
 
 from factored_pomdp.beliefs import ProductBelief
+from factored_pomdp.factors import DenseFactor, Factor
+from factored_pomdp.variables import Value, Variable
+from solvers.action_values import Valued, summed_values
 from solvers.base import Decision
 from solvers.maximise import maximise
 from solvers.myopic import DecomposedMyopic
@@ -37,27 +44,60 @@ class PresetChooser:
         """The last choice as a joint action of the model."""
         return {f"{camera}.move": preset for camera, preset in self.sent.items()}
 
-    def choose(self, belief: ProductBelief) -> Choice:
-        """The best presets for a belief, whose known values say where the cameras are (``None``: away)."""
-        views = {camera: belief.known[f"{camera}.preset"] for camera in self.sent}
-        present = {camera: str(view) for camera, view in views.items() if view is not None}
-        prefer = {f"{camera}.move": view for camera, view in present.items()}
-        if len(present) == len(views):
-            decision = self._solver.decide(belief, prefer=prefer)
-        else:
-            decision = self._without_those_away(belief, present, prefer)
-        self.sent |= {camera: str(decision.action[f"{camera}.move"]) for camera in present}
+    def choose(self, belief: ProductBelief, held: Collection[str] = frozenset()) -> Choice:
+        """The best presets for a belief, whose known values say where the cameras are (``None``: away).
+
+        Parameters
+        ----------
+        held : collection of str
+            Cameras that stay where they are.
+        """
+        decision = self._problem(belief, held).solved()
+        self.sent |= {move.removesuffix(".move"): str(preset) for move, preset in decision.action.items()}
         return Choice(dict(self.sent), decision.value, decision.upper_bound, decision.method)
 
-    def _without_those_away(
-        self, belief: ProductBelief, present: Mapping[str, str], prefer: Mapping[str, str]
-    ) -> Decision:
-        away = {f"{camera}.move": None for camera in self.sent if camera not in present}
-        functions = [function.condition(away) for function in self._solver.local_functions(belief)]
-        actions = [move for move in self._model.actions if move.name in prefer]
-        legal = [
-            self._model.legal[f"{camera}.move"].condition({f"{camera}.preset": view})
-            for camera, view in present.items()
-            if f"{camera}.move" in self._model.legal
+    def values(self, belief: ProductBelief, held: Collection[str] = frozenset()) -> Valued:
+        """What each joint choice of the cameras that are counted on is worth; their moves by the model's names."""
+        problem = self._problem(belief, held)
+        return summed_values(problem.functions, problem.actions, problem.legal, problem.solved().action)
+
+    def _problem(self, belief: ProductBelief, held: Collection[str]) -> _Problem:
+        views = {camera: belief.known[f"{camera}.preset"] for camera in self.sent}
+        present = {f"{camera}.move": str(view) for camera, view in views.items() if view is not None}
+        away = {f"{camera}.move": None for camera, view in views.items() if view is None}
+        functions = self._solver.local_functions(belief)
+        if away:
+            functions = [function.condition(away) for function in functions]
+        actions = [move for move in self._model.actions if move.name in present]
+        return _Problem(functions, actions, [*self._reachable(present), *_kept(actions, present, held)], present)
+
+    def _reachable(self, present: dict[str, str]) -> list[Factor]:
+        legal = self._model.legal
+        return [
+            legal[move].condition({f"{move.removesuffix('.move')}.preset": view})
+            for move, view in present.items()
+            if move in legal
         ]
-        return maximise(functions, actions, legal, prefer)
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """Local functions of moves, the moves, what is legal, and what to keep where that costs nothing."""
+
+    functions: list[Factor]
+    actions: list[Variable]
+    legal: list[Factor]
+    prefer: dict[str, str]
+
+    def solved(self) -> Decision:
+        prefer: dict[str, Value] = dict(self.prefer)
+        return maximise(self.functions, self.actions, self.legal, prefer)
+
+
+def _kept(actions: list[Variable], present: dict[str, str], held: Collection[str]) -> list[Factor]:
+    """Moves of held cameras may only be to where they look."""
+    return [
+        DenseFactor([move], np.array([float(value == present[move.name]) for value in move.values]))
+        for move in actions
+        if move.name.removesuffix(".move") in held
+    ]

@@ -13,6 +13,7 @@ from surveillance_domain.control.bounds import ClairvoyantController, FullInform
 from surveillance_domain.control.lookahead import LookaheadChooser
 from surveillance_domain.control.mdp import MdpController
 from surveillance_domain.control.pomdp import PomdpController
+from surveillance_domain.control.roster import OpenRoster
 from surveillance_domain.model.build import Surveillance
 from surveillance_domain.world.base import TrueWorld
 
@@ -50,11 +51,14 @@ class Setting:
         How far the clairvoyant must see.
     run : int
         Number of the run; gives Sys its phase, and seeds what the lookahead simulates.
+    open_roster : bool
+        Whether targets come and go for ``pomdp`` and ``lookahead``; the others know those of the model only.
     """
 
     world: TrueWorld | None = None
     steps: int = 0
     run: int = 0
+    open_roster: bool = False
 
 
 def make_controller(name: str, surveillance: Surveillance, setting: Setting) -> Controller:
@@ -65,10 +69,9 @@ def make_controller(name: str, surveillance: Surveillance, setting: Setting) -> 
     ValueError
         For an unknown name, or a site that lacks what the controller needs.
     """
-    if name == "pomdp":
-        return PomdpController(surveillance)
-    if name == "lookahead":
-        return PomdpController(surveillance, LookaheadChooser(surveillance, rng=np.random.default_rng(setting.run)))
+    if name in ("pomdp", "lookahead"):
+        ahead = LookaheadChooser(surveillance, rng=np.random.default_rng(setting.run)) if name == "lookahead" else None
+        return PomdpController(surveillance, ahead, OpenRoster(surveillance) if setting.open_roster else None)
     if name in ("mp", "msp"):
         return MdpController(surveillance, static=name == "msp")
     if name == "sys":

@@ -6,9 +6,11 @@ every preset is reachable in one step, only what is learned for later is left to
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
-from factored_pomdp.beliefs import ProductBelief
+from factored_pomdp.beliefs import ProductBelief, initial_belief
 from solvers.lookahead import Lookahead
 from surveillance_domain.control.base import Choice
 from surveillance_domain.control.choosing import PresetChooser
@@ -20,7 +22,8 @@ __all__ = ["LookaheadChooser"]
 class LookaheadChooser:
     """Maximises the expected number of targets observed over several steps, P's choice following the first one.
 
-    While a camera is away the choice is P's: for how many steps it will be missing is not known.
+    While a camera is away, or people have it, the choice is P's: for how many steps is not known. So it is while
+    targets have come or gone: it simulates those of the model.
 
     Parameters
     ----------
@@ -43,6 +46,7 @@ class LookaheadChooser:
     ) -> None:
         self._one_step = PresetChooser(surveillance)
         keep = {f"{camera.name}.move": f"{camera.name}.preset" for camera in surveillance.site.cameras}
+        self._blocks = initial_belief(surveillance.model).blocks
         self._solver = Lookahead(surveillance.model, horizon, scenarios, actions, margin, keep, rng)
 
     @property
@@ -50,10 +54,10 @@ class LookaheadChooser:
         """The last choice as a joint action of the model."""
         return self._one_step.moves
 
-    def choose(self, belief: ProductBelief) -> Choice:
+    def choose(self, belief: ProductBelief, held: Collection[str] = frozenset()) -> Choice:
         """Presets for the next step; value and upper bound are those of that step alone, as P's are."""
-        one_step = self._one_step.choose(belief)
-        if None in belief.known.values():
+        one_step = self._one_step.choose(belief, held)
+        if held or None in belief.known.values() or belief.blocks != self._blocks:
             return one_step
         decision = self._solver.decide(belief)
         for move, preset in decision.action.items():

@@ -35,12 +35,13 @@ class Step:
     @property
     def observed(self) -> int:
         """How many targets were seen: M_obs of PercentObs."""
-        return sum(cell is not None for cell in self.sighting.observations.values())
+        known = sum(cell is not None for cell in self.sighting.observations.values())
+        return known + len(self.sighting.unknown)
 
     @property
     def present(self) -> int:
-        """How many targets there were: M_tot."""
-        return len(self.sighting.observations)
+        """How many targets there were, as far as the sighting tells: M_tot."""
+        return len(self.sighting.observations) + len(self.sighting.unknown)
 
 
 def turns(world: World, controller: Controller) -> Iterator[Step]:

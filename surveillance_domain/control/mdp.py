@@ -60,7 +60,7 @@ class MdpController:
                 self._estimates.cells[number] = -1
             elif self._out_of_sight == "dead-reckoning" and self._estimates.cells[number] >= 0:
                 self._carry(number, target, sighting.time_s)
-        self._planner.turned(sighting.views)
+        self._planner.turned(sighting)
 
     def _place(self, number: int, target: str, cell: Cell, time_s: float) -> None:
         """A sighting; the one before it gives direction and speed. Seen twice in one cell: the direction stays."""

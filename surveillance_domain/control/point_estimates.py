@@ -6,7 +6,7 @@ that `PomdpController` would make for such a belief. Targets of which nothing is
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -16,6 +16,7 @@ from factored_pomdp.variables import Value
 from surveillance_domain.control.base import Choice
 from surveillance_domain.control.choosing import PresetChooser
 from surveillance_domain.model.build import Surveillance
+from surveillance_domain.world.base import Sighting
 
 __all__ = ["PointEstimates", "PointPlanner"]
 
@@ -46,6 +47,8 @@ class PointPlanner:
     ----------
     present : dict
         Actual preset of each camera (under its variable's name); ``None`` while it is away.
+    held : collection of str
+        Cameras that stay where they are.
     """
 
     def __init__(self, surveillance: Surveillance) -> None:
@@ -53,14 +56,17 @@ class PointPlanner:
         self._chooser = PresetChooser(surveillance)
         self._cells = surveillance.site.grid.size
         self.present: Mapping[str, Value] = dict(self._belief.known)
+        self.held: Collection[str] = frozenset()
 
     def choose(self, estimates: PointEstimates) -> Choice:
         """The best presets among those reachable from where the cameras are."""
-        return self._chooser.choose(self._belief.with_arrays([self._array(estimates)], known=self.present))
+        belief = self._belief.with_arrays([self._array(estimates)], known=self.present)
+        return self._chooser.choose(belief, self.held)
 
-    def turned(self, views: Mapping[str, str | None]) -> None:
+    def turned(self, sighting: Sighting) -> None:
         """Learn where the cameras really are."""
-        self.present = {f"{name}.preset": view for name, view in views.items()}
+        self.present = {f"{name}.preset": view for name, view in sighting.views.items()}
+        self.held = sighting.held
 
     def _array(self, estimates: PointEstimates) -> Float[np.ndarray, "states targets"]:
         """The estimates as a stack of beliefs; zero columns where nothing is known."""

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from collections.abc import Collection
+from typing import Any, Protocol, runtime_checkable
 
 from factored_pomdp.beliefs import ProductBelief, initial_belief
 from surveillance_domain.control.base import Choice
 from surveillance_domain.control.choosing import PresetChooser
 from surveillance_domain.control.restart import TargetRestart
+from surveillance_domain.control.roster import OpenRoster, target_of, targets_of
 from surveillance_domain.model.build import UNSEEN, Surveillance
 from surveillance_domain.world.base import Sighting
 
 __all__ = ["Chooser", "PomdpController"]
 
 
+@runtime_checkable
 class Chooser(Protocol):
     """Chooses presets for a belief."""
 
@@ -21,8 +24,8 @@ class Chooser(Protocol):
     def moves(self) -> dict[str, str]:
         """The last choice as a joint action of the model."""
 
-    def choose(self, belief: ProductBelief) -> Choice:
-        """Presets for the next step."""
+    def choose(self, belief: ProductBelief, held: Collection[str] = frozenset()) -> Choice:
+        """Presets for the next step, in which held cameras stay where they are."""
 
 
 class PomdpController:
@@ -32,6 +35,8 @@ class PomdpController:
     ----------
     chooser : Chooser, optional
         Chooses in place of P, for the same belief.
+    roster : OpenRoster, optional
+        Lets targets come and go; without it, what the model does not know is passed over.
 
     Attributes
     ----------
@@ -39,23 +44,42 @@ class PomdpController:
         After the last sighting; known values are the actual views, ``None`` for a camera that is away.
     restarts : int
         Beliefs started anew so far, because the model called the sighting impossible.
+    restarted : tuple of str
+        Targets whose beliefs were, in the last step.
+    roster : OpenRoster or None
+    held : frozenset of str
+        Cameras that people have.
     """
 
-    def __init__(self, surveillance: Surveillance, chooser: Chooser | None = None) -> None:
+    def __init__(
+        self, surveillance: Surveillance, chooser: Chooser | None = None, roster: OpenRoster | None = None
+    ) -> None:
         self.belief = initial_belief(surveillance.model)
-        self.restarts = 0
+        self.restarts, self.restarted = 0, tuple[str, ...]()
+        self.roster, self.held = roster, frozenset[str]()
         self._chooser = chooser if chooser is not None else PresetChooser(surveillance)
         self._restart = TargetRestart(surveillance)
 
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """Those in the belief now."""
+        return targets_of(self.belief)
+
     def choose(self) -> Choice:
-        return self._chooser.choose(self.belief)
+        return self._chooser.choose(self.belief, self.held)
 
     def see(self, sighting: Sighting) -> None:
-        observed = {f"{t}.sighting": UNSEEN if cell is None else cell for t, cell in sighting.observations.items()}
+        self.restarted, self.held = (), sighting.held
+        seen = {**sighting.observations, **(sighting.unknown if self.roster is not None else {})}
+        cells = {target: seen.get(target) for target in self.targets}
+        observed = {f"{target}.sighting": UNSEEN if cell is None else cell for target, cell in cells.items()}
         known = {f"{name}.preset": view for name, view in sighting.views.items()}
         predicted = self.belief.predict(self._chooser.moves)
         self.belief = predicted.condition(observed, known, restart=self._restarted)
+        if self.roster is not None:
+            self.belief = self.roster.updated(self.belief, seen, sighting.time_s)
 
     def _restarted(self, block: tuple[str, ...], predicted: Any, observation: Any, known: Any) -> Any:
         self.restarts += 1
+        self.restarted += (target_of(block),)
         return self._restart(block, predicted, observation, known, self.belief.block(block[0]).array)

@@ -4,6 +4,9 @@ A line is written whole and at once, so that a kill at any moment loses at most 
 readers pass over a torn last line. Each file begins with a header that says what was run. A new file is begun when one
 is full or a new day (UTC) begins; files that are older than the site's ``keep_days`` are removed then. Beliefs are not
 stored: they follow from the sightings. No pictures and no passwords are in it.
+
+A line that could not be written, as on a full disk, is an error for the caller; the next line begins a new file, so
+that a torn one is always the last of its file.
 """
 
 from __future__ import annotations
@@ -11,6 +14,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -33,9 +37,14 @@ class RecordWriter:
     folder : Path
         Made if it is not there.
     header : mapping
-        What was run; JSON values.
+        What was run; JSON values. ``run`` and ``part`` are added to it: when the run began, and the number of the file.
     keep_days : float
     full_bytes : int
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written to.
     """
 
     def __init__(
@@ -43,13 +52,21 @@ class RecordWriter:
     ) -> None:
         self._folder, self._header, self._keep, self._full = folder, dict(header), timedelta(days=keep_days), full_bytes
         folder.mkdir(parents=True, exist_ok=True)
-        self._file, self._written, self._day = -1, 0, ""
-        self._begin(datetime.now(UTC))
+        self._file, self._written, self._day, self._parts = -1, 0, "", 0
+        now = datetime.now(UTC)
+        self._run = now.isoformat(timespec="microseconds")
+        self._begin(now)
 
     def write(self, entry: Mapping[str, Any]) -> None:
-        """Append one line; ``written`` (UTC) is added to it."""
+        """Append one line; ``written`` (UTC) is added to it.
+
+        Raises
+        ------
+        OSError
+            If that failed.
+        """
         now = datetime.now(UTC)
-        if self._written >= self._full or now.date().isoformat() != self._day:
+        if self._file < 0 or self._written >= self._full or now.date().isoformat() != self._day:
             self._begin(now)
         self._line({"kind": "step", "written": now.isoformat(timespec="milliseconds"), **entry})
 
@@ -62,18 +79,29 @@ class RecordWriter:
     def _begin(self, now: datetime) -> None:
         self.close()
         for old in self._folder.glob(_PATTERN):
-            if datetime.fromtimestamp(old.stat().st_mtime, UTC) < now - self._keep:
-                old.unlink()
+            with suppress(OSError):
+                if datetime.fromtimestamp(old.stat().st_mtime, UTC) < now - self._keep:
+                    old.unlink()
         path = self._folder / f"record-{now:%Y%m%dT%H%M%S.%f}.jsonl"
         self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_EXCL, 0o640)
         self._written, self._day = 0, now.date().isoformat()
-        self._line({"kind": "header", "written": now.isoformat(timespec="milliseconds"), **self._header})
+        header = {**self._header, "run": self._run, "part": self._parts}
+        try:
+            self._line({"kind": "header", "written": now.isoformat(timespec="milliseconds"), **header})
+        except OSError:
+            path.unlink(missing_ok=True)
+            raise
+        self._parts += 1
 
     def _line(self, content: Mapping[str, Any]) -> None:
         line = (json.dumps(content, ensure_ascii=False, allow_nan=False) + "\n").encode()
-        while line:
-            done = os.write(self._file, line)
-            self._written, line = self._written + done, line[done:]
+        try:
+            while line:
+                done = os.write(self._file, line)
+                self._written, line = self._written + done, line[done:]
+        except OSError:
+            self.close()
+            raise
 
 
 def read_record(path: Path) -> Iterator[dict[str, Any]]:

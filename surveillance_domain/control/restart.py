@@ -17,6 +17,7 @@ import numpy as np
 from jaxtyping import Float
 
 from surveillance_domain.model.build import UNSEEN, Surveillance, motion_parameters
+from surveillance_domain.world.base import Cell
 
 __all__ = ["TargetRestart"]
 
@@ -43,11 +44,8 @@ class TargetRestart:
         """The new belief of one target; ``previous`` is its belief before the step."""
         grid, views, cameras = self._surveillance.site.grid, self._surveillance.views, self._surveillance.site.cameras
         seen = observation[block[0].removesuffix(".location") + ".sighting"]
-        fresh = np.zeros_like(predicted)
         if seen != UNSEEN:
-            number = int(grid.number[seen[1], seen[0]])
-            fresh[number] = self._arrivals[number]
-            return fresh
+            return self.seen_at(seen)
         presets = [known[f"{camera.name}.preset"] for camera in cameras]
         names = [[preset.name for preset in camera.presets] for camera in cameras]
         numbers = [None if p is None else of.index(str(p)) for p, of in zip(presets, names, strict=True)]
@@ -56,8 +54,16 @@ class TargetRestart:
         cells = near if near.any() else hidden
         if not cells.any():
             return predicted
+        fresh = np.zeros_like(predicted)
         fresh[cells] = 1.0
         return np.asarray(fresh / fresh.sum())
+
+    def seen_at(self, cell: Cell) -> Float[np.ndarray, "cells directions speeds"]:
+        """The belief of a target of which nothing is known but that it was just seen at a cell."""
+        number = int(self._surveillance.site.grid.number[cell[1], cell[0]])
+        belief = np.zeros_like(self._arrivals)
+        belief[number] = self._arrivals[number]
+        return belief
 
     @cached_property
     def _arrivals(self) -> Float[np.ndarray, "cells directions speeds"]:

@@ -31,10 +31,16 @@ class WatchState:
     site : Site
     folder : Path, optional
         Instead of that in the user's own.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be made.
     """
 
     def __init__(self, site: Site, folder: Path | None = None) -> None:
         self._site = site
+        self._held = frozenset[str]()
         home = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state")
         where = str(site.path.resolve()) if site.path is not None else f"built-in {site.name}"
         self.folder = (
@@ -69,12 +75,15 @@ class WatchState:
                 lock.truncate(0)
 
     def held(self) -> frozenset[str]:
-        """Cameras that people hold; those of the site only."""
+        """Cameras that people hold; those of the site only. Where that cannot be read, those that they held before."""
         try:
             names = json.loads((self.folder / "held.json").read_text(encoding="utf-8"))
-        except (FileNotFoundError, json.JSONDecodeError):
-            return frozenset()
-        return frozenset(names) & {camera.name for camera in self._site.cameras}
+            self._held = frozenset(names) & {camera.name for camera in self._site.cameras}
+        except FileNotFoundError:
+            self._held = frozenset()
+        except (OSError, ValueError, TypeError):
+            pass
+        return self._held
 
     def hold(self, camera: str, hold: bool = True) -> None:
         """Take a camera, or give it back.

@@ -29,6 +29,11 @@ class Sighting:
         What static wide-view cameras report, where the site has some; only the controller MSP reads it.
     held : frozenset of str
         Cameras that people have, which will get no commands for now.
+    unknown : dict
+        What was seen that no target of the model carries, such as ``marker 12``, and the cell at which it was.
+    without_identity, out_of_view : int
+        Detections that were counted and not used: those that may be any target, and those that the model says cannot
+        be, because no cell in that camera's view gives them.
     """
 
     observations: Mapping[str, Cell | None]
@@ -36,6 +41,9 @@ class Sighting:
     time_s: float
     static: Mapping[str, Cell | None] = field(default_factory=dict)
     held: frozenset[str] = frozenset()
+    unknown: Mapping[str, Cell] = field(default_factory=dict)
+    without_identity: int = 0
+    out_of_view: int = 0
 
 
 @runtime_checkable

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 from surveillance_domain.cameras.base import Camera, Position
-from surveillance_domain.world.base import Cell
+from surveillance_domain.vision.observe import Observed
 
 __all__ = ["Eyes", "Look"]
 
@@ -35,5 +35,5 @@ class Eyes(Protocol):
     def look(self, camera: Camera, budget_s: float) -> Look:
         """Look through one camera, in that camera's own thread; raises `CameraError` where that fails."""
 
-    def seen(self, looks: Mapping[str, Look], views: Mapping[str, str | None]) -> dict[str, Cell | None]:
-        """For every target the cell at which the cameras with a view saw it; ``None``: none of them did."""
+    def seen(self, looks: Mapping[str, Look], views: Mapping[str, str | None]) -> Observed:
+        """What the cameras with a view saw together."""

@@ -1,60 +1,53 @@
 """A network of pan/tilt/zoom cameras as a world: presets go out over HTTP, a sighting comes back.
 
-The pace is fixed: cameras look at ``t₀ + k · step_s``, for the belief moves on by ``step_s`` a step; between two looks
-they turn. A camera that has not settled by then, that failed, or that looks somewhere that is no preset of its own has
-an empty view in the sighting, which is not "nothing seen". Each camera has a thread of its own: one that hangs costs
-its own view only.
+The pace is fixed: cameras look ``step_s`` apart, for the belief moves on by ``step_s`` a step; between two looks they
+turn. A camera that has not settled by then, that failed, or that looks somewhere that is no preset of its own has an
+empty view in the sighting, which is not "nothing seen".
+
+Each camera has a thread of its own, and nobody waits for it longer than its deadline: one that hangs costs its own view
+only, and is left out until it has come back. Looks are cut short so that what is left of the step is enough for the
+longest move of any camera.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Any, TypeVar
 
-from surveillance_domain.cameras.base import Camera, Health, Move, Outcome, Position
+from surveillance_domain.cameras.base import Camera, Move, Outcome, Position
 from surveillance_domain.cameras.clock import Clock
-from surveillance_domain.cameras.errors import CameraError
+from surveillance_domain.cameras.errors import CameraError, Unreachable
+from surveillance_domain.model.reachability import longest_move_s
 from surveillance_domain.site.camera import Camera as CameraDescription
 from surveillance_domain.site.camera import Preset
 from surveillance_domain.site.site import Site
 from surveillance_domain.world.base import Sighting
+from surveillance_domain.world.camera_report import CameraReport
 from surveillance_domain.world.eyes import Eyes, Look
 from surveillance_domain.world.yielding import Yielding, taken
 
-__all__ = ["CameraReport", "NetworkWorld"]
+__all__ = ["CameraReport", "NetworkWorld", "look_budget_s"]
 
-_LOOK_SHARE = 0.5
-"""Of a step, at the most, for a look."""
+T = TypeVar("T")
+
+_LOOK_SHARE = 0.6
+"""Of the time that the longest move leaves of a step; the rest is for the decision and the network."""
+_LEAST_LOOK, _MOST_LOOK = 0.1, 0.5
+"""Of a step, whatever the moves take."""
+_GRACE_S = 0.02
+"""For how long a camera is waited for after its own deadline."""
+_POLL_S = 0.1
+_MOST_POLLS = 600
 
 
-@dataclass
-class CameraReport:
-    """What became of one camera in the last step.
-
-    Attributes
-    ----------
-    sent : str or None
-        The preset it was sent to; ``None``: it got no command.
-    outcome : str
-        Of its move; empty if it got none.
-    position : Position or None
-        Read back with its look.
-    move_s, look_s : float
-        How long they took.
-    because : str
-        What went wrong with it, or why it got no command; empty if nothing did.
-    health : Health
-    """
-
-    health: Health
-    sent: str | None = None
-    outcome: str = ""
-    position: Position | None = None
-    move_s: float = 0.0
-    look_s: float = 0.0
-    because: str = ""
+def look_budget_s(site: Site) -> float:
+    """How long a look may take, in seconds, so that no camera's move in the next step comes too late for it."""
+    step_s = site.control.step_s
+    left_s = step_s - max(longest_move_s(camera, step_s) for camera in site.cameras)
+    return min(max(_LOOK_SHARE * left_s, _LEAST_LOOK * step_s), _MOST_LOOK * step_s)
 
 
 @dataclass
@@ -63,9 +56,43 @@ class _Node:
     camera: Camera
     yielding: Yielding
     report: CameraReport = field(init=False)
+    task: Future[Any] | None = None
 
     def __post_init__(self) -> None:
         self.report = CameraReport(self.camera.health)
+
+    @property
+    def free(self) -> bool:
+        """Whether its thread has come back."""
+        return self.task is None or self.task.done()
+
+    def sent(self, preset: Preset, move: Move | None) -> None:
+        """What came of a move; ``None``: it is not over."""
+        self.report.moved(preset.name, move)
+        if move is not None and move.outcome is Outcome.REACHED:
+            self.yielding.left_at(_position(preset))
+        elif move is None or self.report.arrived:
+            self.yielding.left_at(None)
+        else:
+            self.yielding.sent_to(_position(preset))
+
+    def found(self, look: Look | None, now_s: float) -> None:
+        """What came of a look; ``None``: nothing."""
+        self.report.health = self.camera.health
+        if look is None:
+            self.yielding.left_at(None)
+        else:
+            self.report.position = look.position
+            self.yielding.found_at(look.position, now_s)
+
+    def view(self, look: Look | None) -> str | None:
+        """The preset at which it looked, if it is one and it was still."""
+        if look is None or not self.report.arrived:
+            return None
+        for preset in self.description.presets:
+            if look.position.agrees(_position(preset), self.description.tolerance_deg):
+                return preset.name
+        return None
 
 
 class NetworkWorld:
@@ -87,6 +114,8 @@ class NetworkWorld:
     ----------
     reports : dict
         For each camera, what became of it in the last step.
+    late : int
+        Steps that began after their look had been due, because whoever decides took so long; the pace begins anew then.
     """
 
     def __init__(
@@ -99,99 +128,146 @@ class NetworkWorld:
         moves: bool = True,
     ) -> None:
         self._clock, self._eyes, self._held, self._moves = clock, eyes, held, moves
-        self._step_s, operation = site.control.step_s, site.operation
+        self._step_s, self._look_s, operation = site.control.step_s, look_budget_s(site), site.operation
         self._nodes = {
             description.name: _Node(description, camera, Yielding(description.tolerance_deg, operation.yield_s))
             for description, camera in zip(site.cameras, cameras, strict=True)
         }
         self._pool = ThreadPoolExecutor(len(self._nodes), thread_name_prefix="camera")
-        self._start, self._due = clock.now(), clock.now()
+        self._start = clock.now()
+        self._due: float | None = None
+        self.late = 0
 
     @property
     def reports(self) -> dict[str, CameraReport]:
         return {name: node.report for name, node in self._nodes.items()}
 
-    def start(self, budget_s: float) -> dict[str, str]:
+    def start(self, budget_s: float) -> dict[str, CameraError]:
         """Get to know all cameras; what is wrong with which. Those that fail may come back later."""
-        tasks = [partial(node.camera.start, budget_s) for node in self._nodes.values()]
-        faults = {}
-        for name, done in zip(self._nodes, self._clock.together(self._pool, tasks), strict=True):
-            if isinstance(problem := done.exception(), CameraError):
-                faults[name] = str(problem)
-            elif problem is not None:
-                raise problem
-        self._start = self._due = self._clock.now()
+        tasks = {name: partial(_attempt, node.camera.start, budget_s) for name, node in self._nodes.items()}
+        found = self._together(tasks, self._clock.now() + budget_s)
+        faults: dict[str, CameraError] = {}
+        for name, node in self._nodes.items():
+            problem = found.get(name, Unreachable(f"{name}: no answer in time"))
+            if problem is not None:
+                faults[name] = problem
+                node.report.failed(problem)
+        self._start = self._clock.now()
         return faults
 
     def move(self, presets: Mapping[str, str]) -> None:
         """Turn cameras to presets, until the next look is due."""
-        self._due = max(self._due + self._step_s, self._clock.now())
-        kept = taken({name: node.yielding for name, node in self._nodes.items()}, self._held())
-        going = []
+        now = self._clock.now()
+        if self._due is None:
+            self._start = self._due = now
+        self._due += self._step_s
+        if self._due <= now:
+            self.late, self._due = self.late + 1, now + self._step_s
+        kept = self._taken()
+        going: dict[str, Preset] = {}
         for name, node in self._nodes.items():
             node.report = CameraReport(node.camera.health)
             if name in kept:
                 node.report.because = kept[name]
-                node.yielding.left_at(None)
+                if not node.yielding.yields:
+                    node.yielding.left_at(None)
             elif self._moves and name in presets:
-                going.append((node, _preset(node.description, presets[name])))
-        tasks = [partial(self._turn, node, preset) for node, preset in going]
-        for done in self._clock.together(self._pool, tasks):
-            done.result()
+                going[name] = _preset(node.description, presets[name])
+        tasks = {name: partial(self._turn, self._nodes[name], preset, self._due) for name, preset in going.items()}
+        moves = self._together(tasks, self._due)
+        for name, preset in going.items():
+            self._nodes[name].sent(preset, moves.get(name))
 
     def observe(self) -> Sighting:
         """Wait until the look is due, and look through all cameras at once."""
-        self._clock.sleep(self._due - self._clock.now())
-        tasks = [partial(self._look, node) for node in self._nodes.values()]
-        found = [done.result() for done in self._clock.together(self._pool, tasks)]
-        looks = {name: look for name, look in zip(self._nodes, found, strict=True) if look is not None}
-        views = {name: _view(node, looks.get(name)) for name, node in self._nodes.items()}
-        kept = taken({name: node.yielding for name, node in self._nodes.items()}, self._held())
-        at = self._clock.now() - self._start
-        return Sighting(self._eyes.seen(looks, views), views, at, held=frozenset(kept))
+        now = self._clock.now()
+        self._due = now if self._due is None else self._due
+        self._clock.sleep(self._due - now)
+        looked = self._clock.now()
+        until = looked + self._look_s
+        tasks = {name: partial(self._look, node, until) for name, node in self._nodes.items()}
+        looks: dict[str, Look] = {}
+        for name, (look, seconds) in self._together(tasks, until).items():
+            self._nodes[name].report.look_s = seconds
+            if isinstance(look, Look):
+                looks[name] = look
+            else:
+                self._nodes[name].report.failed(look)
+        for name, node in self._nodes.items():
+            node.found(looks.get(name), looked)
+        views = {name: node.view(looks.get(name)) for name, node in self._nodes.items()}
+        found = self._eyes.seen(looks, views)
+        return Sighting(
+            found.observations,
+            views,
+            looked - self._start,
+            held=frozenset(self._taken()),
+            unknown={f"marker {one}" if isinstance(one, int) else one: cell for one, cell in found.unknown.items()},
+            without_identity=found.without_identity,
+            out_of_view=found.out_of_view,
+        )
 
     def park(self, budget_s: float) -> dict[str, str]:
-        """Send every camera that nobody holds to its ``home`` preset; for each camera what became of it."""
-        kept = taken({name: node.yielding for name, node in self._nodes.items()}, self._held())
-        going = {name: node for name, node in self._nodes.items() if name not in kept and node.description.home}
-        tasks = [
-            partial(node.camera.move, _position(_preset(node.description, str(node.description.home))), budget_s)
-            for node in going.values()
-        ]
-        outcomes = {name: f"left alone: {why}" for name, why in kept.items()}
-        for name in self._nodes.keys() - going.keys() - kept.keys():
-            outcomes[name] = "has no home preset"
-        for name, done in zip(going, self._clock.together(self._pool, tasks), strict=True):
-            move: Move = done.result()
+        """Send every camera that nobody has to its ``home`` preset; for each camera what became of it."""
+        outcomes = {name: f"left alone: {why}" for name, why in self._taken().items()}
+        tasks = {}
+        for name, node in self._nodes.items():
+            if node.description.home is None:
+                outcomes.setdefault(name, "has no home preset")
+            elif name not in outcomes:
+                home = _position(_preset(node.description, node.description.home))
+                tasks[name] = partial(node.camera.move, home, budget_s)
+        moves: dict[str, Move] = self._together(tasks, self._clock.now() + budget_s)
+        for name in tasks:
+            move = moves.get(name, Move(Outcome.UNREACHABLE, None, budget_s, "no answer in time"))
             outcomes[name] = str(move.outcome) + (f": {move.because}" if move.because else "")
         return {name: outcomes[name] for name in self._nodes}
 
     def close(self) -> None:
-        """Let go of the cameras."""
-        self._pool.shutdown()
+        """Let go of the cameras, once their threads have come back."""
+        for _ in range(_MOST_POLLS):
+            if all(node.free for node in self._nodes.values()):
+                break
+            self._clock.sleep(_POLL_S)
+        self._pool.shutdown(wait=False, cancel_futures=True)
         for node in self._nodes.values():
             node.camera.close()
 
-    def _turn(self, node: _Node, preset: Preset) -> None:
-        move = node.camera.move(_position(preset), self._due - self._clock.now())
-        reached = move.outcome is Outcome.REACHED
-        node.yielding.left_at(_position(preset) if reached else None)
-        node.report.sent, node.report.outcome = preset.name, str(move.outcome)
-        node.report.move_s, node.report.because = move.seconds, move.because
+    def _taken(self) -> dict[str, str]:
+        return taken({name: node.yielding for name, node in self._nodes.items()}, self._held())
 
-    def _look(self, node: _Node) -> Look | None:
+    def _together(self, tasks: Mapping[str, Callable[[], T]], until: float) -> dict[str, T]:
+        """What came of tasks, one a camera, where it came in time."""
+        free = {name: task for name, task in tasks.items() if self._nodes[name].free}
+        futures = self._clock.together(self._pool, list(free.values()), until + _GRACE_S)
+        done = {}
+        for name, future in zip(free, futures, strict=True):
+            self._nodes[name].task = future
+            if future.done():
+                done[name] = future.result()
+        for name in tasks.keys() - done.keys():
+            self._nodes[name].report.failed(Unreachable(f"{name}: no answer in time"))
+        return done
+
+    def _turn(self, node: _Node, preset: Preset, until: float) -> Move:
+        return node.camera.move(_position(preset), until - self._clock.now())
+
+    def _look(self, node: _Node, until: float) -> tuple[Look | CameraError, float]:
+        """A look, or why there is none, and how long it took in seconds."""
         started = self._clock.now()
         try:
-            look = self._eyes.look(node.camera, _LOOK_SHARE * self._step_s)
+            result: Look | CameraError = self._eyes.look(node.camera, until - started)
         except CameraError as problem:
-            node.report.because = node.report.because or str(problem)
-            node.yielding.left_at(None)
-            return None
-        finally:
-            node.report.look_s, node.report.health = self._clock.now() - started, node.camera.health
-        node.report.position = look.position
-        node.yielding.found_at(look.position, self._clock.now())
-        return look
+            result = problem
+        return result, self._clock.now() - started
+
+
+def _attempt(start: Callable[[float], object], budget_s: float) -> CameraError | None:
+    try:
+        start(budget_s)
+    except CameraError as problem:
+        return problem
+    return None
 
 
 def _preset(description: CameraDescription, name: str) -> Preset:
@@ -203,13 +279,3 @@ def _preset(description: CameraDescription, name: str) -> Preset:
 
 def _position(preset: Preset) -> Position:
     return Position(preset.pan, preset.tilt, preset.zoom)
-
-
-def _view(node: _Node, look: Look | None) -> str | None:
-    """The preset at which a camera looked, if it is one and it was still."""
-    if look is None or node.report.outcome == Outcome.TIMED_OUT:
-        return None
-    for preset in node.description.presets:
-        if look.position.agrees(_position(preset), node.description.tolerance_deg):
-            return preset.name
-    return None

@@ -15,7 +15,6 @@ from surveillance_domain.vision.blobs import BlobDetector
 from surveillance_domain.vision.ground import ground
 from surveillance_domain.vision.observe import Located, Observed, Observer, located
 from surveillance_domain.vision.opencv import BadImage, decoded, opencv
-from surveillance_domain.world.base import Cell
 from surveillance_domain.world.eyes import Look
 
 __all__ = ["PictureEyes", "Sight"]
@@ -50,7 +49,7 @@ class PictureEyes:
     """
 
     def __init__(self, surveillance: Surveillance, detector: Detector | None = None) -> None:
-        opencv()
+        self._failures = (BadImage, opencv().error)
         site, known = surveillance.site, looks(surveillance.site, len(surveillance.targets))
         self._site = site
         self._described = {camera.name: camera for camera in site.cameras}
@@ -69,14 +68,14 @@ class PictureEyes:
     def look(self, camera: Camera, budget_s: float) -> Look:
         picture = camera.picture(budget_s)
         try:
-            pixels = decoded(picture.jpeg)
-        except BadImage as problem:
+            detections = self._detector.detect(decoded(picture.jpeg))
+        except self._failures as problem:
             raise BadPicture(f"{camera.name}: {problem}") from None
         floor = ground(self._described[camera.name], picture.position, (picture.width, picture.height))
-        found = located(floor, self._site.grid, self._detector.detect(pixels))
+        found = located(floor, self._site.grid, detections)
         return Look(picture.position, Sight(picture, found))
 
-    def seen(self, looks: Mapping[str, Look], views: Mapping[str, str | None]) -> dict[str, Cell | None]:
+    def seen(self, looks: Mapping[str, Look], views: Mapping[str, str | None]) -> Observed:
         self.sights = {name: look.found for name, look in looks.items()}
         self.last = self._observer.observe({name: sight.located for name, sight in self.sights.items()}, views)
-        return dict(self.last.observations)
+        return self.last

@@ -2,11 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 
 from surveillance_domain.cameras.base import Position
 
-__all__ = ["Yielding"]
+__all__ = ["HELD", "MOVED", "Yielding", "taken"]
+
+HELD = "held"
+MOVED = "moved by somebody else"
+"""Why a camera gets no commands."""
+
+_HALF_TURN_DEG = 180.0
+
+
+@dataclass(frozen=True)
+class _Way:
+    """Where a camera can be that was sent from one position to another, the same for one that was left standing."""
+
+    start: Position
+    goal: Position
+
+    def holds(self, position: Position, tolerance_deg: float) -> bool:
+        if any(position.agrees(end, tolerance_deg) for end in (self.start, self.goal)):
+            return True
+        if self.start == self.goal:
+            return False
+        if abs(self.goal.pan - self.start.pan) > _HALF_TURN_DEG:
+            return True  # a camera without end stops may go round the other way
+        return all(
+            min(start, goal) - tolerance_deg <= value <= max(start, goal) + tolerance_deg
+            for value, start, goal in (
+                (position.pan, self.start.pan, self.goal.pan),
+                (position.tilt, self.start.tilt, self.goal.tilt),
+            )
+        )
 
 
 class Yielding:
@@ -22,7 +52,7 @@ class Yielding:
 
     def __init__(self, tolerance_deg: float, yield_s: float) -> None:
         self._tolerance_deg, self._yield_s = tolerance_deg, yield_s
-        self._left_at: Position | None = None
+        self._way: _Way | None = None
         self._still_since: float | None = None
         self._last: Position | None = None
 
@@ -32,8 +62,12 @@ class Yielding:
         return self._still_since is not None
 
     def left_at(self, position: Position | None) -> None:
-        """It reached where it was sent; ``None``: it was sent somewhere, failed, or is held, and may be anywhere."""
-        self._left_at = position
+        """It reached where it was sent; ``None``: it failed or is held, and may be anywhere."""
+        self._way = None if position is None else _Way(position, position)
+
+    def sent_to(self, goal: Position) -> None:
+        """It was sent somewhere and has not arrived: it is on its way from where it was found last, or back there."""
+        self._way = None if self._last is None else _Way(self._last, goal)
 
     def found_at(self, position: Position, now_s: float) -> None:
         """Where it was found to look."""
@@ -42,16 +76,11 @@ class Yielding:
                 self._still_since = now_s
             elif now_s - self._still_since >= self._yield_s:
                 self._still_since = None
-        elif self._left_at is not None and not position.agrees(self._left_at, self._tolerance_deg):
-            self._still_since = now_s
+        elif self._way is not None and not self._way.holds(position, self._tolerance_deg):
+            self._still_since, self._way = now_s, None
         self._last = position
-        self._left_at = position if self._still_since is None and self._left_at is not None else None
 
 
-def taken(watched: dict[str, Yielding], held: Collection[str]) -> dict[str, str]:
-    """Cameras that get no commands, and why."""
-    return {
-        name: "held" if name in held else "moved by somebody else"
-        for name, one in watched.items()
-        if name in held or one.yields
-    }
+def taken(watched: Mapping[str, Yielding], held: Collection[str]) -> dict[str, str]:
+    """Cameras that get no commands, and why: `HELD` or `MOVED`."""
+    return {name: HELD if name in held else MOVED for name, one in watched.items() if name in held or one.yields}

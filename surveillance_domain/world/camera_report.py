@@ -1,0 +1,63 @@
+"""What became of one camera of a network in one step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from surveillance_domain.cameras.base import Health, Move, Outcome, Position
+from surveillance_domain.cameras.errors import CameraError
+
+__all__ = ["CameraReport"]
+
+
+@dataclass
+class CameraReport:
+    """What became of one camera in the last step.
+
+    Attributes
+    ----------
+    health : Health
+    sent : str or None
+        The preset it was sent to; ``None``: it got no command.
+    outcome : str
+        Of its move; empty if it got none.
+    arrived : bool
+        Whether it may be taken to stand still: it got no command, or it did as it was told.
+    position : Position or None
+        Read back with its look.
+    move_s, look_s : float
+        How long they took.
+    because : str
+        What went wrong with it, or why it got no command; empty if nothing did.
+    fault : str
+        The kind of error by its class's name, such as ``LoginRefused``; empty if there was none.
+    """
+
+    health: Health
+    sent: str | None = None
+    outcome: str = ""
+    arrived: bool = True
+    position: Position | None = None
+    move_s: float = 0.0
+    look_s: float = 0.0
+    because: str = ""
+    fault: str = ""
+
+    def moved(self, preset: str, move: Move | None) -> None:
+        """Note what came of a move; ``None``: it is not over.
+
+        A camera that says it stands where it stood, though it took the command, may be one whose read-back has frozen:
+        it is not believed.
+        """
+        self.sent = preset
+        if move is None:
+            self.outcome, self.arrived = str(Outcome.TIMED_OUT), False
+            return
+        self.outcome, self.move_s, self.because = str(move.outcome), move.seconds, move.because
+        sent_off = move.outcome is Outcome.TIMED_OUT or (move.outcome is Outcome.STALLED and move.position is not None)
+        self.arrived = not sent_off
+
+    def failed(self, problem: CameraError) -> None:
+        """Note an error; the first one of a step is kept."""
+        self.because = self.because or str(problem)
+        self.fault = self.fault or type(problem).__name__

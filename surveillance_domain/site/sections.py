@@ -53,6 +53,9 @@ class KnownTarget(Section):
 
     name: Name = Field(description="a name of 1 to 64 printable characters")
     marker: _Index | None = Field(None, description="the number of a marker, 0 or more")
+    color: Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")] | None = Field(
+        None, description='a colour such as "#ff8000": red, green, blue'
+    )
 
 
 class Door(Section):

@@ -31,9 +31,9 @@ def draw_grid(
     cv2 = opencv()
     drawn = picture.copy()
     for line, colour, width in _lines(grid):
-        for piece in _pieces(ground, line):
-            for ink, thickness in ((_SHADOW, width + 2), (colour, width)):
-                cv2.polylines(drawn, [np.rint(piece * 16).astype(np.int32)], False, ink, thickness, cv2.LINE_AA, 4)
+        pieces = [np.rint(piece * 16).astype(np.int32) for piece in _pieces(ground, line)]
+        for ink, thickness in ((_SHADOW, width + 2), (colour, width)):
+            cv2.polylines(drawn, pieces, False, ink, thickness, cv2.LINE_AA, 4)
     for text, pixel in _labels(ground, grid, (picture.shape[1], picture.shape[0])):
         _write(drawn, text, pixel, _LABEL)
     for one in points:
@@ -94,4 +94,4 @@ def _labels(ground: Ground, grid: Grid, size: tuple[int, int]) -> Iterator[tuple
 def _write(drawn: UInt8[np.ndarray, "height width 3"], text: str, pixel: tuple[int, int], ink: tuple[int, ...]) -> None:
     cv2 = opencv()
     for colour, thickness in ((_SHADOW, 3), (ink, 1)):
-        cv2.putText(drawn, text, pixel, cv2.FONT_HERSHEY_SIMPLEX, 0.4, colour, thickness, cv2.LINE_AA)
+        cv2.putText(drawn, text, pixel, cv2.FONT_HERSHEY_SIMPLEX, 0.45, colour, thickness, cv2.LINE_AA)

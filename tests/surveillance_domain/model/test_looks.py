@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from surveillance_domain.model.looks import Look, looks
@@ -23,3 +25,11 @@ def test_targets_that_the_site_does_not_name_get_markers_that_are_left() -> None
     assert [look.marker for look in many] == list(range(9))
     assert len({look.colour for look in many}) == 9
     assert [look.marker for look in looks(load_site("hall"), 3)] == [None] * 3
+
+
+@pytest.mark.example
+def test_a_colour_that_the_site_gives_comes_before_that_of_the_name() -> None:
+    lego = load_site("lego")
+    red = lego.targets.known[0].model_copy(update={"color": "#ff8000"})
+    site = replace(lego, targets=lego.targets.model_copy(update={"known": (red, *lego.targets.known[1:])}))
+    assert [look.colour for look in looks(site, 2)] == [(255, 128, 0), (0, 0, 255)]

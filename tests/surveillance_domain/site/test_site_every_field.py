@@ -28,7 +28,7 @@ COMPLETE: dict[str, Any] = {
         "sigma_speed_mps": 0.2,
         "walls": "reject",
         "prior": "uniform",
-        "known": [{"name": "red", "marker": 7}],
+        "known": [{"name": "red", "marker": 7, "color": "#ff2010"}],
         "doors": [{"cells": [[0, 0]], "rate_per_s": 0.05}],
     },
     "control": {"step_s": 1.0, "controller": "pomdp", "deadline_s": 0.1},

@@ -31,10 +31,19 @@ _CHUNK_BYTES = 65_536
 
 @dataclass(frozen=True)
 class Answer:
-    """A body that came whole, with a status of 2xx, which says nothing yet: it may be an ``Error:``."""
+    """A body that came whole, with a status of 2xx, which says nothing yet: it may be an ``Error:``.
+
+    Attributes
+    ----------
+    status : int
+    body : bytes
+    date : str
+        The header; empty where there was none.
+    """
 
     status: int
     body: bytes
+    date: str = ""
 
     @property
     def text(self) -> str:
@@ -135,7 +144,8 @@ class Exchange:
         try:
             self.lockout.heard([*(earlier.status_code for earlier in response.history), response.status_code])
             self._check_status(response)
-            return Answer(response.status_code, self._body(response, until, most_bytes))
+            date = response.headers.get("date", "")
+            return Answer(response.status_code, self._body(response, until, most_bytes), date)
         finally:
             response.close()
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from datetime import datetime
+from email.utils import parsedate_to_datetime
 from typing import TypeVar
 
 import numpy as np
@@ -151,6 +153,16 @@ class VapixCamera:
             query = {"camera": str(self.description.channel)}
             answer = self._ask("/axis-cgi/imagesize.cgi", query, self._clock.now() + budget_s)
             return self._parsed(answer, answers.image_size)
+
+    def time_of_day(self, budget_s: float) -> datetime | None:
+        """What its own clock shows, to the second; ``None`` where it does not tell."""
+        with self._lock:
+            query = {"query": "position", "camera": str(self.description.channel)}
+            date = self._ask(_PTZ, query, self._clock.now() + budget_s).date
+            try:
+                return parsedate_to_datetime(date)
+            except ValueError:
+                return None
 
     def close(self) -> None:
         self._exchange.close()

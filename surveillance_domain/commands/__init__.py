@@ -18,8 +18,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     from surveillance_domain.commands.calibrate import calibrate
     from surveillance_domain.commands.compare import compare
     from surveillance_domain.commands.coverage import coverage
+    from surveillance_domain.commands.doctor import doctor
     from surveillance_domain.commands.emulate import emulate
+    from surveillance_domain.commands.hold import hold
     from surveillance_domain.commands.learn import learn
+    from surveillance_domain.commands.park import park
     from surveillance_domain.commands.run import run
     from surveillance_domain.commands.simulate import simulate
 
@@ -31,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-    for command in (simulate, compare, coverage, learn, run, emulate, calibrate, add_preset):
+    for command in (simulate, compare, coverage, learn, run, emulate, calibrate, add_preset, doctor, hold, park):
         application.command()(guarded(command))
     given = list(sys.argv[1:] if arguments is None else arguments)
     token = COMMAND_LINE.set(shlex.join(["surveillance", *given]))

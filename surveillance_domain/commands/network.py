@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from surveillance_domain.cameras.base import Camera
     from surveillance_domain.cameras.clock import Clock
+    from surveillance_domain.cameras.vapix import VapixCamera
     from surveillance_domain.model.build import Surveillance
     from surveillance_domain.site.site import Site
     from surveillance_domain.world.eyes import Eyes
@@ -116,7 +117,7 @@ def network_of(
         yield Network(surveillance, cameras, world, eyes, truth, clock)
 
 
-def opened(site: Site, clock: Clock, luck: np.random.Generator) -> tuple[Camera, ...]:
+def opened(site: Site, clock: Clock, luck: np.random.Generator) -> tuple[VapixCamera, ...]:
     """The drivers of a site's cameras.
 
     Parameters
@@ -133,7 +134,7 @@ def opened(site: Site, clock: Clock, luck: np.random.Generator) -> tuple[Camera,
     from surveillance_domain.cameras.opening import open_camera
 
     folder = site.path.parent if site.path is not None else None
-    cameras: list[Camera] = []
+    cameras: list[VapixCamera] = []
     faults: list[str] = []
     for description, rng in zip(site.cameras, luck.spawn(len(site.cameras)), strict=True):
         try:

@@ -112,7 +112,7 @@ def run(
             if over or stop.asked or (ends is not None and datetime.now() >= ends):
                 break
         homeward = park or (stop.signal is signal.SIGTERM and not shadow)
-        parked = network.world.park(_parking_s(found)) if homeward else {}
+        parked = {name: one.told for name, one in network.world.park().items()} if homeward else {}
         content = _content(watch.summary(), found, network.surveillance, chosen, seed, parked)
     answer(content, _shown(content), as_json=as_json)
 
@@ -209,10 +209,6 @@ def _teller(watch: Any, site: Site, steps: int | None, wanted: bool | None) -> C
         console.print(f"{site.name}: step {found['steps']}{of}, {found['seen']:.2f} seen a step{share}{missing}")
 
     return tell
-
-
-def _parking_s(site: Site) -> float:
-    return max(camera.move_deadline_s for camera in site.cameras)
 
 
 def _content(

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Int
 
 from surveillance_domain.world.base import Cell
+from surveillance_domain.world.truth import OUTSIDE
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -35,13 +36,18 @@ class Detections:
         self._order = sorted(range(len(self._site.cameras)), key=lambda camera: self._views.noise_m[camera])
 
     def draw(self, presets: Mapping[str, int | None], cells: Int[np.ndarray, " targets"]) -> dict[str, Cell | None]:
-        """The cell at which each target is reported, given each camera's preset (``None``: no view)."""
+        """The cell at which each target is reported, given each camera's preset (``None``: no view).
+
+        Nobody detects a target that is outside.
+        """
         draws = [luck.random(2 * len(self._order)) for luck in self._luck]
         found = [self._detected(presets, int(cell), luck) for cell, luck in zip(cells, draws, strict=True)]
         return dict(zip(self._targets, found, strict=True))
 
     def _detected(self, presets: Mapping[str, int | None], cell: int, luck: np.ndarray) -> Cell | None:
         """The first camera, in order of noise, that detects decides which cell is reported."""
+        if cell == OUTSIDE:
+            return None
         for position, camera in enumerate(self._order):
             preset = presets[self._site.cameras[camera].name]
             if preset is not None and luck[2 * position] < self._views.detection[camera][preset, cell]:

@@ -14,6 +14,7 @@ from itertools import accumulate
 
 from surveillance_domain.model.parameters import MotionParameters
 from surveillance_domain.site.grid import Grid
+from surveillance_domain.world.truth import OUTSIDE
 
 __all__ = ["GridChain", "Outcomes"]
 
@@ -29,6 +30,7 @@ class Outcomes:
     Attributes
     ----------
     pairs : tuple of (next direction, next cell)
+        The cell may be `OUTSIDE`.
     weights : tuple of float
         Their probabilities.
     cumulative : tuple of float
@@ -49,7 +51,7 @@ class Outcomes:
 
 
 Move = tuple[int | None, float]
-"""Number of the cell a move leads to, None where walls forbid it, and its share."""
+"""Number of the cell a move leads to (or `OUTSIDE`, by a door), None where walls forbid it, and its share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,13 +99,48 @@ class GridChain:
             for k in range(bins)
         )
 
+    @cached_property
+    def door_cells(self) -> dict[tuple[int, int], float]:
+        """Every door cell, with the rate at which a target that is outside comes in there."""
+        return {cell: door.rate_per_s / len(door.cells) for door in self.parameters.doors for cell in door.cells}
+
     def _enumerate(self, cell: int, direction: int, speed: int) -> Outcomes:
+        if cell == OUTSIDE:
+            return self._entering(speed)
         moves = [self.moves(cell, heading, speed) for heading in range(self.parameters.directions)]
         if self.parameters.walls == "stay":
             return self._staying(cell, direction, moves)
         if self.parameters.walls == "reject":
             return self._rejecting(cell, direction, moves)
         return self._reflecting(cell, direction, moves)
+
+    def _entering(self, speed: int) -> Outcomes:
+        """Stay outside, or come in by a door; the heading is one that is open there, on the map."""
+        rate = math.fsum(self.door_cells.values())
+        staying_out = math.exp(-rate * self.parameters.step_s)
+        headings = range(self.parameters.directions)
+        arrivals: list[tuple[int, int, float]] = []
+        for (column, row), own in self.door_cells.items():
+            number = int(self.grid.number[row, column])
+            share = own / rate if rate > 0 else 1 / (len(self.parameters.doors) * self._cells_beside(column, row))
+            inwards = [
+                math.fsum(
+                    part for end, part in self.moves(number, heading, speed) if end is not None and end != OUTSIDE
+                )
+                for heading in headings
+            ]
+            if not any(inwards):
+                inwards = [1.0] * len(inwards)
+            arrivals += [(heading, number, share * inwards[heading] / math.fsum(inwards)) for heading in headings]
+        outside = [
+            (heading, OUTSIDE, staying_out * math.fsum(weight for other, _, weight in arrivals if other == heading))
+            for heading in headings
+        ]
+        return Outcomes.of([(heading, end, (1 - staying_out) * weight) for heading, end, weight in arrivals] + outside)
+
+    def _cells_beside(self, column: int, row: int) -> int:
+        """How many cells the door of a cell has."""
+        return next(len(door.cells) for door in self.parameters.doors if (column, row) in door.cells)
 
     def _staying(self, cell: int, direction: int, moves: list[list[Move]]) -> Outcomes:
         """Forbidden moves end in the cell they began in."""
@@ -174,29 +211,38 @@ class GridChain:
         return moves
 
     def _end(self, column: int, row: int, dx: int, dy: int) -> int | None:
-        """Number of the cell at (dx, dy) from another, or None if the way there is not open.
+        """Number of the cell at (dx, dy) from another, `OUTSIDE` by a door, or None if the way there is not open.
 
         The segment between the centres meets a cell's inside if no axis parts them: neither x nor y, nor the normal
         of the segment, on which a square is |dx| + |dy| wide. It touches cells where these are just parted: the two
-        sides of a corner, which must not both be blocked.
+        sides of a corner, which must not both be blocked. A way that leaves the map does so from the last cell that it
+        meets there.
         """
         left: list[tuple[int, bool]] = []
         right: list[tuple[int, bool]] = []
+        last = (0, column, row)
         for i in range(min(0, dx), max(0, dx) + 1):
             for j in range(min(0, dy), max(0, dy) + 1):
-                aside = 2 * (dx * j - dy * i)
-                if abs(aside) < abs(dx) + abs(dy) and not self._is_free(column + i, row + j):
-                    return None
+                x, y = column + i, row + j
+                aside, on_map, free = 2 * (dx * j - dy * i), self._is_on_map(x, y), self._is_free(x, y)
+                if abs(aside) < abs(dx) + abs(dy) and on_map:
+                    if not free:
+                        return None
+                    last = max(last, (dx * i + dy * j, x, y))
                 if aside != 0 and abs(aside) == abs(dx) + abs(dy):
-                    (left if aside > 0 else right).append((abs(i), self._is_free(column + i, row + j)))
+                    (left if aside > 0 else right).append((abs(i), free or not on_map))
         for (_, one), (_, other) in zip(sorted(left), sorted(right), strict=True):
             if not (one or other):
                 return None
-        return int(self.grid.number[row + dy, column + dx])
+        if self._is_on_map(column + dx, row + dy):
+            return int(self.grid.number[row + dy, column + dx])
+        return OUTSIDE if last[1:] in self.door_cells else None
+
+    def _is_on_map(self, column: int, row: int) -> bool:
+        return 0 <= row < self.grid.rows and 0 <= column < self.grid.columns
 
     def _is_free(self, column: int, row: int) -> bool:
-        grid = self.grid
-        return 0 <= row < grid.rows and 0 <= column < grid.columns and bool(grid.free[row, column])
+        return self._is_on_map(column, row) and bool(self.grid.free[row, column])
 
 
 def _open(moves: list[Move]) -> list[tuple[int, float]]:

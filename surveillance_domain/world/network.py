@@ -27,6 +27,7 @@ from surveillance_domain.site.site import Site
 from surveillance_domain.world.base import Sighting
 from surveillance_domain.world.camera_report import CameraReport
 from surveillance_domain.world.eyes import Eyes, Look
+from surveillance_domain.world.parking import Parked, sent_home
 from surveillance_domain.world.yielding import Yielding, taken
 
 __all__ = ["CameraReport", "NetworkWorld", "look_budget_s"]
@@ -207,21 +208,15 @@ class NetworkWorld:
             out_of_view=found.out_of_view,
         )
 
-    def park(self, budget_s: float) -> dict[str, str]:
+    def park(self) -> dict[str, Parked]:
         """Send every camera that nobody has to its ``home`` preset; for each camera what became of it."""
-        outcomes = {name: f"left alone: {why}" for name, why in self._taken().items()}
-        tasks = {}
-        for name, node in self._nodes.items():
-            if node.description.home is None:
-                outcomes.setdefault(name, "has no home preset")
-            elif name not in outcomes:
-                home = _position(_preset(node.description, node.description.home))
-                tasks[name] = partial(node.camera.move, home, budget_s)
-        moves: dict[str, Move] = self._together(tasks, self._clock.now() + budget_s)
-        for name in tasks:
-            move = moves.get(name, Move(Outcome.UNREACHABLE, None, budget_s, "no answer in time"))
-            outcomes[name] = str(move.outcome) + (f": {move.because}" if move.because else "")
-        return {name: outcomes[name] for name in self._nodes}
+        kept = self._taken()
+        going = {name: node for name, node in self._nodes.items() if name not in kept}
+        longest_s = max((node.description.move_deadline_s for node in going.values()), default=0.0)
+        tasks = {name: partial(sent_home, node.camera, node.description) for name, node in going.items()}
+        done = self._together(tasks, self._clock.now() + longest_s)
+        alone = {name: Parked(True, f"left alone: {why}") for name, why in kept.items()}
+        return {name: {**done, **alone}.get(name, Parked(False, "no answer in time")) for name in self._nodes}
 
     def close(self) -> None:
         """Let go of the cameras, once their threads have come back."""

@@ -16,7 +16,7 @@ from surveillance_domain.model.reachability import reachable
 from surveillance_domain.model.views import static_views
 from surveillance_domain.world.base import Cell, Sighting
 from surveillance_domain.world.detections import Detections
-from surveillance_domain.world.truth import Truth
+from surveillance_domain.world.truth import OUTSIDE, Truth
 
 if TYPE_CHECKING:
     from surveillance_domain.model.build import Surveillance
@@ -89,7 +89,7 @@ class SimulatedWorld:
             sigmas = [
                 camera.noise_m[0] + camera.noise_m[1] * float(np.hypot(*(positions[target] - camera.position_m[:2])))
                 for number, camera in enumerate(self._site.static_cameras)
-                if self._static[number, cells[target]]
+                if cells[target] != OUTSIDE and self._static[number, cells[target]]
             ]
             if not sigmas:
                 report[name] = None

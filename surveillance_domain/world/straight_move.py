@@ -29,11 +29,17 @@ class Wall:
         Share of the way that is open, in [0, 1].
     stops_x, stops_y : bool
         Which component of the motion the wall stops; a corner may stop both.
+    cell : (column, row)
+        The last cell of the way.
+    at_edge : bool
+        Whether the wall is the map's edge.
     """
 
     share: float
     stops_x: bool
     stops_y: bool
+    cell: tuple[int, int]
+    at_edge: bool
 
 
 def first_wall(free: Bool[np.ndarray, "rows columns"], x: float, y: float, dx: float, dy: float) -> Wall | None:
@@ -52,6 +58,7 @@ def first_wall(free: Bool[np.ndarray, "rows columns"], x: float, y: float, dx: f
         The way, in cells.
     """
     column, row = math.floor(x), math.floor(y)
+    rows, columns = free.shape
     right, up = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
     length = math.hypot(dx, dy)
     while True:
@@ -60,19 +67,21 @@ def first_wall(free: Bool[np.ndarray, "rows columns"], x: float, y: float, dx: f
         share = max(0.0, min(to_x, to_y))
         if share > 1:
             return None
+        here = (column, row)
         if abs(to_x - to_y) * length < CORNER_CELLS:
             beside, above = _is_free(free, column + right, row), _is_free(free, column, row + up)
             if not (_is_free(free, column + right, row + up) and (beside or above)):
-                return Wall(share, stops_x=beside == above or not beside, stops_y=beside == above or not above)
+                out = not (0 <= column + right < columns and 0 <= row + up < rows)
+                return Wall(share, beside == above or not beside, beside == above or not above, here, out)
             column, row = column + right, row + up
         elif to_x < to_y:
             column += right
             if not _is_free(free, column, row):
-                return Wall(share, stops_x=True, stops_y=False)
+                return Wall(share, True, False, here, not 0 <= column < columns)
         else:
             row += up
             if not _is_free(free, column, row):
-                return Wall(share, stops_x=False, stops_y=True)
+                return Wall(share, False, True, here, not 0 <= row < rows)
 
 
 def _is_free(free: Bool[np.ndarray, "rows columns"], column: int, row: int) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from surveillance_domain.site.grid import Grid
+from surveillance_domain.world.truth import OUTSIDE
 
 __all__ = ["InitialDraws", "TargetNoise"]
 
@@ -27,7 +28,7 @@ class InitialDraws:
     Attributes
     ----------
     cells : (targets,) int
-        Number of a free cell.
+        Number of a free cell, or `OUTSIDE`.
     within : (targets, 2) float
         Position in the cell, in cells from its lower-left corner, in [0, 1).
     turn : (targets,) float
@@ -82,12 +83,12 @@ class TargetNoise:
         return self._blocks[block][:, within]
 
     def initial(
-        self, grid: Grid, directions: int, speeds: int, prior: Float[np.ndarray, "cells"] | None = None
+        self, grid: Grid, directions: int, speeds: int, prior: Float[np.ndarray, "places"] | None = None
     ) -> InitialDraws:
         """Draw the states at step 0: cells by ``prior`` (default: uniform), all else uniform.
 
         Headings are drawn such that the direction bins, which are centred at multiples of 360 / directions degrees,
-        are equally likely.
+        are equally likely. A weight after those of the cells is that of being outside.
 
         Raises
         ------
@@ -97,8 +98,9 @@ class TargetNoise:
         cumulative = np.cumsum(_checked(grid, prior))
         cumulative /= cumulative[-1]
         draws = np.array([self._generator(target, INITIAL).random(5) for target in range(len(self))]).reshape(-1, 5)
+        places = np.searchsorted(cumulative, draws[:, 0], side="right")
         return InitialDraws(
-            cells=np.searchsorted(cumulative, draws[:, 0], side="right"),
+            cells=np.where(places < grid.size, places, OUTSIDE),
             within=draws[:, 1:3],
             turn=(draws[:, 3] - 0.5 / directions) % 1.0,
             speeds=np.floor(draws[:, 4] * speeds).astype(np.int64),
@@ -109,12 +111,12 @@ class TargetNoise:
         return np.random.default_rng(np.random.SeedSequence(source.entropy, spawn_key=(*source.spawn_key, *purpose)))
 
 
-def _checked(grid: Grid, prior: Float[np.ndarray, "weights"] | None) -> Float[np.ndarray, "cells"]:
-    """Return the weights of the free cells, or raise with what is wrong about them."""
+def _checked(grid: Grid, prior: Float[np.ndarray, "weights"] | None) -> Float[np.ndarray, "places"]:
+    """Return the weights of the free cells (and of outside), or raise with what is wrong about them."""
     if grid.size == 0:
         raise ValueError("the grid has no free cell: targets have nowhere to be; free at least one cell of the map")
     weights = np.ones(grid.size) if prior is None else np.asarray(prior, dtype=float)
-    if weights.shape != (grid.size,):
+    if weights.shape not in ((grid.size,), (grid.size + 1,)):
         raise ValueError(f"prior has shape {weights.shape}, must hold one weight for each of {grid.size} free cells")
     if not (np.isfinite(weights).all() and (weights >= 0).all() and weights.sum() > 0):
         raise ValueError("prior: weights must be finite and not negative, and one of them positive")

@@ -7,7 +7,11 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float, Int
 
-__all__ = ["Truth"]
+__all__ = ["OUTSIDE", "Truth"]
+
+OUTSIDE = -1
+"""In place of a cell's number: the target is not on the map. It then has no position (nan), and a direction and a speed
+without meaning."""
 
 
 @runtime_checkable
@@ -16,7 +20,7 @@ class Truth(Protocol):
 
     @property
     def cells(self) -> Int[np.ndarray, "targets"]:
-        """Number of the free cell each target is in."""
+        """Number of the free cell each target is in, or `OUTSIDE`."""
 
     @property
     def directions(self) -> Int[np.ndarray, "targets"]:
@@ -28,7 +32,7 @@ class Truth(Protocol):
 
     @property
     def positions_m(self) -> Float[np.ndarray, "targets 2"]:
-        """Where each target is, x and y in metres."""
+        """Where each target is, x and y in metres; nan while it is outside."""
 
     def step(self) -> Truth:
         """Move every target for one time step."""

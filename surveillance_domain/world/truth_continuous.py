@@ -14,6 +14,11 @@ cells and the map's edge. What becomes of a move that meets one:
     The target is mirrored like a ball: the rest of the way is gone with the x or y component reversed, in a corner
     both, and the heading is mirrored with it.
 
+With doors, a way that leaves the map from a door cell leads outside. In every step a target that is outside comes in
+with probability 1 - exp(-Λ step_s), Λ being the sum of the doors' rates: at a door by its rate, anywhere in one of its
+cells, with a heading drawn until the way of the next step is open and stays on the map (up to 200 times), and at the
+speed that it had.
+
 The belief stays on the grid, so that its misfit can show. Nothing of the filter's motion code is imported.
 """
 
@@ -21,14 +26,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from surveillance_domain.model.parameters import MotionParameters
 from surveillance_domain.site.grid import Grid
-from surveillance_domain.world.straight_move import first_wall
+from surveillance_domain.world.straight_move import Wall, first_wall
 from surveillance_domain.world.target_noise import TargetNoise
+from surveillance_domain.world.truth import OUTSIDE
 
 __all__ = ["ContinuousTruth"]
 
@@ -48,7 +55,7 @@ class ContinuousTruth:
     Attributes
     ----------
     positions_m : (targets, 2) float
-        x and y in metres, always in a free cell.
+        x and y in metres, always in a free cell; nan while the target is outside.
     headings_rad : (targets,) float
         Counter-clockwise from +x.
     speeds_mps : (targets,) float
@@ -75,7 +82,7 @@ class ContinuousTruth:
         parameters: MotionParameters,
         targets: int,
         rng: np.random.Generator,
-        prior: Float[np.ndarray, "cells"] | None = None,
+        prior: Float[np.ndarray, "places"] | None = None,
     ) -> ContinuousTruth:
         """Draw the targets' first states: positions uniform over the free area, or by ``prior`` over cells.
 
@@ -89,8 +96,8 @@ class ContinuousTruth:
         targets : int
         rng : numpy.random.Generator
             Every target's random numbers are spawned from it; target k moves the same however many there are.
-        prior : (cells,) float, optional
-            Weights of the free cells; they need not sum to one.
+        prior : (cells,) or (cells + 1,) float, optional
+            Weights of the free cells and, where there are doors, of being outside; they need not sum to one.
 
         Raises
         ------
@@ -101,13 +108,15 @@ class ContinuousTruth:
         draws = noise.initial(grid, parameters.directions, len(parameters.speeds_mps), prior)
         within = np.clip(draws.within, BEFORE_WALL_CELLS, 1 - BEFORE_WALL_CELLS)
         positions = (grid.cells[draws.cells] + within) * grid.cell_m + np.asarray(grid.origin_m)
+        positions[draws.cells == OUTSIDE] = np.nan
         speeds = np.asarray(parameters.speeds_mps, dtype=float)[draws.speeds]
         return cls(positions, 2 * math.pi * draws.turn, speeds, grid, parameters, noise)
 
     @property
     def cells(self) -> Int[np.ndarray, "targets"]:
-        """Number of the free cell each target is in."""
-        return self.grid.number_at(self.positions_m)
+        """Number of the free cell each target is in, or `OUTSIDE`."""
+        inside = np.isfinite(self.positions_m).all(axis=1)
+        return np.where(inside, self.grid.number_at(np.where(inside[:, None], self.positions_m, 0.0)), OUTSIDE)
 
     @property
     def directions(self) -> Int[np.ndarray, "targets"]:
@@ -131,14 +140,35 @@ class ContinuousTruth:
             changed = speeds[target] + rng.normal(0.0, self.parameters.sigma_speed_mps)
             speeds[target] = min(max(changed, slowest), fastest)
             length = speeds[target] * self.parameters.step_s / self.grid.cell_m
+            if np.isnan(positions[target, 0]):
+                positions[target], headings[target] = self._entered(float(headings[target]), length, rng)
+                continue
             x, y = ((positions[target] - origin) / self.grid.cell_m).tolist()
             x, y, headings[target] = self._moved(x, y, float(headings[target]), length, rng)
-            positions[target] = np.array([x, y]) * self.grid.cell_m + origin
+            positions[target] = np.array([x, y]) * self.grid.cell_m + origin  # nan stays nan
         return replace(self, positions_m=positions, headings_rad=headings, speeds_mps=speeds, time=self.time + 1)
+
+    def _entered(
+        self, heading: float, length: float, rng: np.random.Generator
+    ) -> tuple[Float[np.ndarray, " 2"], float]:
+        """Position (nan: still outside) and heading of a target that was outside."""
+        rates = np.array([door.rate_per_s for door in self.parameters.doors])
+        if rng.random() >= -math.expm1(-rates.sum() * self.parameters.step_s):
+            return np.full(2, np.nan), heading
+        cells = self.parameters.doors[rng.choice(len(rates), p=rates / rates.sum())].cells
+        column, row = cells[rng.integers(len(cells))]
+        x, y = np.array([column, row]) + np.clip(rng.random(2), BEFORE_WALL_CELLS, 1 - BEFORE_WALL_CELLS)
+        for heading in (2 * math.pi * rng.random(TRIES)).tolist():
+            dx, dy = length * math.cos(heading), length * math.sin(heading)
+            if first_wall(self.grid.free, x, y, dx, dy) is None and self._holds(x + dx, y + dy):
+                break
+        return np.array([x, y]) * self.grid.cell_m + np.asarray(self.grid.origin_m), heading
 
     def _moved(self, x: float, y: float, heading: float, length: float, rng: np.random.Generator) -> Moved:
         sigma = math.radians(self.parameters.sigma_direction_deg)
         drawn = heading + rng.normal(0.0, sigma)
+        if self._goes_out(x, y, drawn, length):
+            return math.nan, math.nan, drawn
         if self._is_open(x, y, drawn, length):
             return x + length * math.cos(drawn), y + length * math.sin(drawn), drawn
         if self.parameters.walls == "reject":
@@ -156,7 +186,10 @@ class ContinuousTruth:
         tried = np.concatenate([drawn, searched]) if self.parameters.sigma_direction_deg > 0 else searched
         ends = np.stack([x + length * np.cos(tried), y + length * np.sin(tried)], axis=1)
         ends_m = ends * self.grid.cell_m + np.asarray(self.grid.origin_m)
-        for candidate in tried[self.grid.number_at(ends_m) >= 0].tolist():
+        possible = np.ones(len(tried), dtype=bool) if self.parameters.doors else self.grid.number_at(ends_m) >= 0
+        for candidate in tried[possible].tolist():
+            if self._goes_out(x, y, candidate, length):
+                return math.nan, math.nan, candidate
             if self._is_open(x, y, candidate, length):
                 return x + length * math.cos(candidate), y + length * math.sin(candidate), candidate
         return x, y, heading
@@ -174,6 +207,8 @@ class ContinuousTruth:
         dx, dy = length * math.cos(heading), length * math.sin(heading)
         for _ in range(BOUNCES):
             wall = first_wall(self.grid.free, x, y, dx, dy)
+            if wall is not None and self._is_door(wall):
+                return math.nan, math.nan, heading
             share = 1.0 if wall is None else max(0.0, wall.share - BEFORE_WALL_CELLS / math.hypot(dx, dy))
             end = (x + share * dx, y + share * dy)
             if not self._holds(*end):
@@ -190,6 +225,21 @@ class ContinuousTruth:
             if math.hypot(dx, dy) < BEFORE_WALL_CELLS:
                 break
         return x, y, heading
+
+    def _goes_out(self, x: float, y: float, heading: float, length: float) -> bool:
+        """Whether the straight way leaves the map from a door cell."""
+        if not self.parameters.doors:
+            return False
+        dx, dy = length * math.cos(heading), length * math.sin(heading)
+        wall = first_wall(self.grid.free, x, y, dx, dy)
+        return wall is not None and self._is_door(wall)
+
+    def _is_door(self, wall: Wall) -> bool:
+        return wall.at_edge and wall.cell in self._door_cells
+
+    @cached_property
+    def _door_cells(self) -> frozenset[tuple[int, int]]:
+        return frozenset(cell for door in self.parameters.doors for cell in door.cells)
 
     def _is_open(self, x: float, y: float, heading: float, length: float) -> bool:
         dx, dy = length * math.cos(heading), length * math.sin(heading)

@@ -12,6 +12,7 @@ from surveillance_domain.model.parameters import MotionParameters
 from surveillance_domain.site.grid import Grid
 from surveillance_domain.world.grid_chain import GridChain
 from surveillance_domain.world.target_noise import TargetNoise
+from surveillance_domain.world.truth import OUTSIDE
 
 __all__ = ["GridTruth"]
 
@@ -23,7 +24,7 @@ class GridTruth:
     Attributes
     ----------
     cells, directions, speeds : (targets,) int
-        Number of the free cell, direction bin and index of the speed.
+        Number of the free cell (or `OUTSIDE`), direction bin and index of the speed.
     chain : GridChain
         The law they move by; shared by successive states, with what it remembers.
     noise : TargetNoise
@@ -45,7 +46,7 @@ class GridTruth:
         parameters: MotionParameters,
         targets: int,
         rng: np.random.Generator,
-        prior: Float[np.ndarray, "cells"] | None = None,
+        prior: Float[np.ndarray, "places"] | None = None,
     ) -> GridTruth:
         """Draw the targets' first states: cells by ``prior`` (default: uniform), directions and speeds uniformly.
 
@@ -57,8 +58,8 @@ class GridTruth:
         rng : numpy.random.Generator
             Every target's random numbers are spawned from it; a fresh one with the same seed gives the same motion,
             and target k moves the same however many targets there are.
-        prior : (cells,) float, optional
-            Weights of the free cells; they need not sum to one.
+        prior : (cells,) or (cells + 1,) float, optional
+            Weights of the free cells and, where there are doors, of being outside; they need not sum to one.
 
         Raises
         ------
@@ -72,8 +73,8 @@ class GridTruth:
 
     @property
     def positions_m(self) -> Float[np.ndarray, "targets 2"]:
-        """Centres of the targets' cells, x and y in metres."""
-        return self.chain.grid.centres_m[self.cells]
+        """Centres of the targets' cells, x and y in metres; nan outside."""
+        return np.where((self.cells == OUTSIDE)[:, None], np.nan, self.chain.grid.centres_m[self.cells])
 
     def step(self) -> GridTruth:
         """Move every target by one draw from P(v'|v) and one from P(d'|d,l,v') P(l'|l,d',v')."""

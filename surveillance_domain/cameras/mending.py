@@ -1,0 +1,23 @@
+"""What would mend a camera's faults, by the kind of error."""
+
+from __future__ import annotations
+
+__all__ = ["mend_of"]
+
+_MENDS = {
+    "Unreachable": "is it switched on and on this network, and are address and port in url those of its web page?",
+    "LoginRefused": "put the password of username into the environment variable that password_env names; after several "
+    "wrong tries cameras lock a user out for some minutes",
+    "Refused": "is this the camera's address, is channel right, and may username control pan, tilt and zoom?",
+    "BadAnswer": "is this an AXIS camera, and the right port? one that expects https answers http like this",
+    "BadPicture": "if it stays so, is the network overloaded? restart the camera",
+    "OutsideLimits": "turn the camera to where the preset should be and save that with surveillance add-preset",
+    "Untrusted": "give the certificate that signed the camera's as ca_file, and in url the name that it was made for; "
+    "or http:// if the camera speaks no TLS",
+}
+_MENDS["CameraAway"] = _MENDS["Unreachable"]
+
+
+def mend_of(fault: str) -> str:
+    """What to try, for the name of one of the classes in `surveillance_domain.cameras.errors`; empty for others."""
+    return _MENDS.get(fault, "")

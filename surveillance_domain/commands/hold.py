@@ -1,0 +1,35 @@
+"""``surveillance hold``: take a camera from the control loop, or give it back."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from factored_pomdp.commands.answers import AsJson, answer
+from surveillance_domain.commands.one_camera import described_camera
+from surveillance_domain.commands.options import SiteName, input_checked
+from surveillance_domain.commands.watch_state import state_of
+
+__all__ = ["hold"]
+
+
+def hold(
+    site: SiteName,
+    camera: Annotated[str, typer.Argument(metavar="CAMERA", help="One of the site's cameras.")],
+    release: Annotated[bool, typer.Option("--release", help="Give it back.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Hold a camera: from the next step on it gets no commands, until it is released; what it sees still counts."""
+    from surveillance_domain.site.load import load_site
+
+    with input_checked():
+        found = load_site(site)
+    described_camera(found, camera)
+    state = state_of(found)
+    with input_checked((OSError,)):
+        state.hold(camera, not release)
+    held = sorted(state.held())
+    told = f"{camera} is {'released' if release else 'held'}."
+    rest = f"Held at {found.name}: {', '.join(held)}." if held else f"No camera of {found.name} is held."
+    answer({"site": found.name, "camera": camera, "held": held}, [told, rest], as_json=as_json)

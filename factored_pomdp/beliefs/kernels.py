@@ -8,15 +8,13 @@ where another process holds a core).
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Any, no_type_check
+from typing import Any, no_type_check
 
 import numpy as np
 from numba import njit
 
+from factored_pomdp.beliefs.operator import Operator
 from factored_pomdp.beliefs.vectors import Tile, product_rows, product_sums, tiles, weighted_rows
-
-if TYPE_CHECKING:
-    from factored_pomdp.beliefs.prediction import Operator
 
 __all__ = ["apply_operator", "noisy_or_columns", "reweigh", "row_sums"]
 

@@ -8,25 +8,15 @@ for a target with place, heading and speed it comes to heading, speed, place: a 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from factored_pomdp.beliefs.operator import Operator
 from factored_pomdp.factors import DenseFactor, Factor, SparseFactor
 from factored_pomdp.structure import Block
 from factored_pomdp.variables import Value, Variable, count
 
-__all__ = ["Operator", "Prediction", "apply_in_turn"]
-
-
-@dataclass(frozen=True, eq=False)
-class Operator:
-    """A sparse linear map between belief arrays, rows in CSR form."""
-
-    indptr: np.ndarray
-    indices: np.ndarray
-    data: np.ndarray
-    states: int
+__all__ = ["Prediction", "apply_in_turn"]
 
 
 class Prediction:

@@ -92,15 +92,19 @@ def _joint_with_what_is_seen(
     flat: FlatModel, belief: Float[np.ndarray, " states"], action: int
 ) -> list[Float[np.ndarray, " states"]]:
     """``P(s', z | b, a)`` for each z (with what is read back) that is possible."""
-    from scipy import sparse
-
     tables, size = flat.tables, flat.size
-    starts = tables.seen_start[action * size : (action + 1) * size + 1]
-    part = slice(starts[0], starts[-1])
-    seen = sparse.csr_array(
-        (tables.seen_chance[part], tables.seen_column[part], starts - starts[0]), shape=(size, tables.columns)
-    )
     moved = np.asarray(belief @ flat.transition[action])
-    joint = sparse.csc_array(seen.multiply(moved[:, None]))
-    columns = np.flatnonzero(np.asarray(joint.sum(axis=0)).ravel() > 0)
-    return [joint[:, [column]].toarray().ravel() for column in columns]
+    states = np.flatnonzero(moved)
+    starts = tables.seen_start[action * size + states]
+    lengths = tables.seen_start[action * size + states + 1] - starts
+    entries = np.repeat(starts - np.cumsum(lengths) + lengths, lengths) + np.arange(lengths.sum())
+    order = np.argsort(tables.seen_column[entries], kind="stable")
+    columns, entries = tables.seen_column[entries][order], entries[order]
+    places = np.repeat(states, lengths)[order]
+    chances = moved[places] * tables.seen_chance[entries]
+    joints = []
+    for part in np.split(np.arange(len(columns)), np.flatnonzero(np.diff(columns)) + 1):
+        joint = np.zeros(size)
+        joint[places[part]] = chances[part]
+        joints.append(joint)
+    return joints

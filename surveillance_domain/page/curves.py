@@ -36,10 +36,10 @@ class Curves:
 
         self._source = ColumnDataSource({"step": [], "percent": [], "expected": [], "seen": []}, name="course")
         self._last, self._steps = 0, Range1d(0, 1)
-        share = _figure("percent-obs", "PercentObs so far, in %", self._steps, (0, 102))
+        share = _figure("percent-obs", "PercentObs so far, in %", self._steps, 102.0)
         share.line("step", "percent", source=self._source, line_width=2.5, color=CAMERA_COLOURS[0])
         share.visible = truth
-        counts = _figure("expected-seen", "targets seen and expected, in each step", self._steps, (0, targets * 1.04))
+        counts = _figure("expected-seen", "targets seen and expected, in each step", self._steps, targets * 1.04)
         lines: dict[str, Any] = {"source": self._source, "line_width": 2}
         counts.step("step", "seen", mode="center", color=_SEEN, legend_label="seen", **lines)
         counts.step("step", "expected", mode="center", color=_EXPECTED, legend_label="expected", **lines)
@@ -70,14 +70,14 @@ def _number(value: float | None) -> float:
     return math.nan if value is None else value
 
 
-def _figure(name: str, title: str, steps: Any, heights: tuple[float, float]) -> figure:
+def _figure(name: str, title: str, steps: Any, highest: float) -> figure:
     from bokeh.plotting import figure
 
     made = figure(
         name=name,
         title=title,
         x_range=steps,
-        y_range=heights,
+        y_range=(0, highest),
         height=190,
         sizing_mode="stretch_width",
         toolbar_location=None,

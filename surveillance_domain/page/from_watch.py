@@ -119,11 +119,18 @@ def _belief(
     """Whom the controller knows of, and where it thinks that they are."""
     if not isinstance(controller, PomdpController):
         return surveillance.targets, None
-    places = np.zeros((len(controller.targets), surveillance.site.grid.size), dtype=np.float32)
+    cells = surveillance.site.grid.size
+    places = np.zeros((len(controller.targets), cells), dtype=np.float32)
     for number, target in enumerate(controller.targets):
-        places[number] = controller.belief.marginal(f"{target}.location")
+        places[number] = controller.belief.marginal(f"{target}.location")[:cells]  # the rest of it is off the map
     return controller.targets, places
 
 
 def _true(surveillance: Surveillance, truth: Truth) -> dict[str, tuple[float, float]]:
-    return {target: (x, y) for target, (x, y) in zip(surveillance.targets, truth.positions_m.tolist(), strict=True)}
+    """Where everybody on the map is; those that the model does not know are called as a sighting calls them."""
+    positions, known = truth.positions_m.tolist(), len(surveillance.targets)
+    names = [
+        one.name if number < known or one.marker is None else f"marker {one.marker}"
+        for number, one in enumerate(looks(surveillance.site, len(positions)))
+    ]
+    return {name: (x, y) for name, (x, y) in zip(names, positions, strict=True) if not math.isnan(x)}

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from html import escape
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
+from surveillance_domain.control.watch_state import WatchState
 from surveillance_domain.page.palette import camera_colour
 from surveillance_domain.page.snapshot import CameraSnapshot
 from surveillance_domain.site.camera import Camera
@@ -14,20 +15,10 @@ from surveillance_domain.site.camera import Camera
 if TYPE_CHECKING:
     from bokeh.models import Column
 
-__all__ = ["HealthTable", "Holds", "health_row", "holder"]
+__all__ = ["HealthTable", "health_row", "holder"]
 
 _HOLD, _RELEASE = "Hold", "Release"
 _COLUMNS = ("camera", "state", "looks at", "lost views", "held by", "last fault")
-
-
-class Holds(Protocol):
-    """Who keeps the cameras that people hold: `surveillance_domain.control.watch_state.WatchState`."""
-
-    def held(self) -> Collection[str]:
-        """Cameras that people hold."""
-
-    def hold(self, camera: str, hold: bool = True) -> None:
-        """Take a camera, or give it back."""
 
 
 class HealthTable:
@@ -36,7 +27,8 @@ class HealthTable:
     Parameters
     ----------
     cameras : sequence of Camera
-    holds : Holds
+    holds : WatchState
+        Says whom people hold, and is told of the buttons.
     styles : str
         CSS of the rows.
     pressed : callable
@@ -47,7 +39,7 @@ class HealthTable:
     layout : bokeh.models.Column
     """
 
-    def __init__(self, cameras: Sequence[Camera], holds: Holds, styles: str, pressed: Callable[[], None]) -> None:
+    def __init__(self, cameras: Sequence[Camera], holds: WatchState, styles: str, pressed: Callable[[], None]) -> None:
         from bokeh.models import Button, Column, Div, Row
 
         self._cameras, self._holds, self._pressed = cameras, holds, pressed

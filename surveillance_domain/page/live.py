@@ -85,9 +85,14 @@ class LivePage:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self._loop.add_callback(self._stopped.set)
+        self.close()
+
+    def close(self) -> None:
+        """Serve no more; may be called twice."""
         if self._thread is not None:
+            self._loop.add_callback(self._stopped.set)
             self._thread.join()
+            self._thread = None
 
     @property
     def url(self) -> str:

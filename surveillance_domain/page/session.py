@@ -7,13 +7,14 @@ from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
+from surveillance_domain.control.watch_state import WatchState
 from surveillance_domain.model.build import Surveillance
 from surveillance_domain.page.curves import Curves
 from surveillance_domain.page.feed import COURSE_STEPS, Feed
 from surveillance_domain.page.floor_plan import FloorPlan
 from surveillance_domain.page.gallery import gallery
 from surveillance_domain.page.headline import headline
-from surveillance_domain.page.health import HealthTable, Holds
+from surveillance_domain.page.health import HealthTable
 from surveillance_domain.pictures.scene import HEAT_COLOURS
 
 if TYPE_CHECKING:
@@ -37,14 +38,14 @@ class Content:
     ----------
     surveillance : Surveillance
     controller : str
-    holds : Holds
+    holds : WatchState
     truth, belief, pictures : bool
         Whether there is a truth, whether the controller has a belief, whether pictures are looked at.
     """
 
     surveillance: Surveillance
     controller: str
-    holds: Holds
+    holds: WatchState
     truth: bool
     belief: bool
     pictures: bool

@@ -96,7 +96,8 @@ class Snapshot:
     targets : tuple of str
         Those that the controller knows of now.
     belief : (targets, cells) float or None
-        Probability of each free cell, after the sighting; ``None`` for controllers without a belief.
+        Probability of each free cell, after the sighting; less than one together where a target may be off the map.
+        ``None`` for controllers without a belief.
     seen_at : dict
         Where targets were seen; those that were not are left out.
     seen, present : int

@@ -1,9 +1,10 @@
 """What no controller passes: full information, and clairvoyance (the design's page on baselines and bounds).
 
 ``full-information`` knows the true states and chooses exactly for the next step. In expectation, under the true motion
-model and where any preset is reachable in one step, it bounds every controller. ``clairvoyant`` knows the whole
-trajectories and chooses the best presets in hindsight, by dynamic programming over reachable joint presets; it bounds
-everything with perfect eyes and working cameras, and is looser.
+model and where any preset is reachable in one step, it bounds every controller (where targets come and go: in the
+number of targets observed, rather than in PercentObs). ``clairvoyant`` knows the whole trajectories and chooses the
+best presets in hindsight, by dynamic programming over reachable joint presets; it bounds everything with perfect eyes
+and working cameras, and is looser.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from surveillance_domain.model.build import Surveillance
 from surveillance_domain.model.reachability import reachable
 from surveillance_domain.model.views import Views
 from surveillance_domain.world.base import Sighting
-from surveillance_domain.world.truth import Truth
+from surveillance_domain.world.truth import OUTSIDE, Truth
 
 __all__ = ["ClairvoyantController", "FullInformationController", "best_path"]
 
@@ -51,11 +52,12 @@ class FullInformationController:
         _refuse_too_many("full-information", surveillance, ENUMERATED)
         self._planner = PointPlanner(surveillance)
         directions, speeds = site.targets.directions, len(site.targets.speeds_mps)
+        self._outside = site.grid.size if site.targets.doors else -1
         self._estimates = PointEstimates(len(surveillance.targets), directions, speeds)
 
     def choose(self) -> Choice:
         truth = self._truth()
-        self._estimates.cells = truth.cells
+        self._estimates.cells = np.where(truth.cells == OUTSIDE, self._outside, truth.cells)
         self._estimates.headings = np.eye(self._estimates.headings.shape[1])[truth.directions]
         self._estimates.paces = np.eye(self._estimates.paces.shape[1])[truth.speeds]
         return self._planner.choose(self._estimates)
@@ -70,7 +72,7 @@ class ClairvoyantController:
     Parameters
     ----------
     cells : (steps, targets) int
-        True cells after each step.
+        True cells after each step, or `OUTSIDE`.
 
     Raises
     ------
@@ -108,10 +110,17 @@ def _refuse_too_many(controller: str, surveillance: Surveillance, most: int) -> 
 def _worth(
     views: Views, joint: list[tuple[int, ...]], cells: Int[np.ndarray, "steps targets"]
 ) -> Float[np.ndarray, "steps joint"]:
-    """Expected number of targets observed at each step by each joint preset."""
-    passed, index = np.unique(cells, return_inverse=True)
+    """Expected number of targets observed at each step by each joint preset.
+
+    Where targets come and go, it is their share of those present: every step counts the same, as in PercentObs.
+    """
+    inside = cells != OUTSIDE
+    passed, index = np.unique(np.where(inside, cells, 0), return_inverse=True)
     there = Views(tuple(detection[:, passed] for detection in views.detection), views.noise_m)
-    return np.stack([there.seen(presets)[index.reshape(cells.shape)].sum(axis=1) for presets in joint], axis=1)
+    index = index.reshape(cells.shape)
+    worth = np.stack([(there.seen(presets)[index] * inside).sum(axis=1) for presets in joint], axis=1)
+    present = inside.sum(axis=1, keepdims=True)
+    return worth if inside.all() else worth / np.maximum(present, 1)
 
 
 def best_path(

@@ -8,7 +8,8 @@ from itertools import count, islice
 from time import perf_counter
 
 from surveillance_domain.control.base import Choice, Controller
-from surveillance_domain.world.base import Sighting, World
+from surveillance_domain.world.base import Sighting, TrueWorld, World
+from surveillance_domain.world.truth import OUTSIDE
 
 __all__ = ["Step", "run_loop", "turns"]
 
@@ -25,12 +26,15 @@ class Step:
     sighting : Sighting
     decision_ms : float
         Time for prediction, choice and conditioning together.
+    truly_present : int or None
+        How many targets there were on the map, where the world knows the truth.
     """
 
     number: int
     choice: Choice
     sighting: Sighting
     decision_ms: float
+    truly_present: int | None = None
 
     @property
     def observed(self) -> int:
@@ -40,7 +44,9 @@ class Step:
 
     @property
     def present(self) -> int:
-        """How many targets there were, as far as the sighting tells: M_tot."""
+        """How many targets there were, in truth or else as far as the sighting tells: M_tot."""
+        if self.truly_present is not None:
+            return self.truly_present
         return len(self.sighting.observations) + len(self.sighting.unknown)
 
 
@@ -55,7 +61,8 @@ def turns(world: World, controller: Controller) -> Iterator[Step]:
         seen = perf_counter()
         controller.see(sighting)
         spent = (chosen - started) + (perf_counter() - seen)
-        yield Step(number, choice, sighting, 1000 * spent)
+        present = int((world.truth.cells != OUTSIDE).sum()) if isinstance(world, TrueWorld) else None
+        yield Step(number, choice, sighting, 1000 * spent, present)
 
 
 def run_loop(

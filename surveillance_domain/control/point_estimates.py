@@ -27,7 +27,7 @@ class PointEstimates:
     Attributes
     ----------
     cells : (targets,) int
-        Number of the free cell; -1: nothing known.
+        Number of the free cell, or of outside, the number after the last of them; -1: nothing known.
     headings : (targets, directions) float
         Weights that sum to one.
     paces : (targets, speeds) float
@@ -54,7 +54,7 @@ class PointPlanner:
     def __init__(self, surveillance: Surveillance) -> None:
         self._belief = initial_belief(surveillance.model)
         self._chooser = PresetChooser(surveillance)
-        self._cells = surveillance.site.grid.size
+        self._places = surveillance.model.variable(f"{surveillance.targets[0]}.location").size
         self.present: Mapping[str, Value] = dict(self._belief.known)
         self.held: Collection[str] = frozenset()
 
@@ -71,7 +71,7 @@ class PointPlanner:
     def _array(self, estimates: PointEstimates) -> Float[np.ndarray, "states targets"]:
         """The estimates as a stack of beliefs; zero columns where nothing is known."""
         targets = len(estimates.cells)
-        array = np.zeros((self._cells, estimates.headings.shape[1], estimates.paces.shape[1], targets))
+        array = np.zeros((self._places, estimates.headings.shape[1], estimates.paces.shape[1], targets))
         placed = np.flatnonzero(estimates.cells >= 0)
         motion = np.einsum("td,tv->tdv", estimates.headings[placed], estimates.paces[placed])
         array[estimates.cells[placed], :, :, placed] = motion

@@ -3,7 +3,8 @@
 A target seen where its belief has no mass starts anew at that cell, with every direction that can lead there. One that
 was not seen although all its mass was in view starts anew over the free cells out of view within one longest move plus
 one cell (along each axis, as moves are shared among cells) of where it was thought to be; if there are none, over all
-cells out of view; if there are none either, the prediction stands.
+cells out of view; if there are none either, the prediction stands. Where there are doors, outside is out of view, and
+within a move of every cell that is within a move of a door.
 """
 
 from __future__ import annotations
@@ -32,15 +33,16 @@ class TargetRestart:
         parameters = motion_parameters(surveillance.site)
         longest = max(parameters.speeds_mps) * parameters.step_s / surveillance.site.grid.cell_m
         self._reach = math.floor(longest + 1 + _ROUNDING)
+        self._doors = [cell for door in parameters.doors for cell in door.cells]
 
     def __call__(
         self,
         block: tuple[str, ...],
-        predicted: Float[np.ndarray, "cells directions speeds"],
+        predicted: Float[np.ndarray, "places directions speeds"],
         observation: Mapping[str, Any],
         known: Mapping[str, Any],
-        previous: Float[np.ndarray, "cells directions speeds"],
-    ) -> Float[np.ndarray, "cells directions speeds"]:
+        previous: Float[np.ndarray, "places directions speeds"],
+    ) -> Float[np.ndarray, "places directions speeds"]:
         """The new belief of one target; ``previous`` is its belief before the step."""
         grid, views, cameras = self._surveillance.site.grid, self._surveillance.views, self._surveillance.site.cameras
         seen = observation[block[0].removesuffix(".location") + ".sighting"]
@@ -50,7 +52,13 @@ class TargetRestart:
         names = [[preset.name for preset in camera.presets] for camera in cameras]
         numbers = [None if p is None else of.index(str(p)) for p, of in zip(presets, names, strict=True)]
         hidden = views.seen(numbers) < 1
-        near = hidden & _near(grid.number, previous.sum(axis=(1, 2)) > 0, self._reach)
+        thought = previous.sum(axis=(1, 2)) > 0
+        within = _near(grid.number, thought[: grid.size], self._reach)
+        if self._doors:
+            hidden = np.append(hidden, True)
+            at_a_door = any(within[grid.number[row, column]] for column, row in self._doors)
+            within = np.append(within, at_a_door or thought[-1])
+        near = hidden & within
         cells = near if near.any() else hidden
         if not cells.any():
             return predicted
@@ -58,7 +66,7 @@ class TargetRestart:
         fresh[cells] = 1.0
         return np.asarray(fresh / fresh.sum())
 
-    def seen_at(self, cell: Cell) -> Float[np.ndarray, "cells directions speeds"]:
+    def seen_at(self, cell: Cell) -> Float[np.ndarray, "places directions speeds"]:
         """The belief of a target of which nothing is known but that it was just seen at a cell."""
         number = int(self._surveillance.site.grid.number[cell[1], cell[0]])
         belief = np.zeros_like(self._arrivals)
@@ -66,7 +74,7 @@ class TargetRestart:
         return belief
 
     @cached_property
-    def _arrivals(self) -> Float[np.ndarray, "cells directions speeds"]:
+    def _arrivals(self) -> Float[np.ndarray, "places directions speeds"]:
         """For each cell the directions and speeds with which a target can have come into it; all where none can.
 
         A pair counts if some cell leads there in that direction at that speed and the direction can be taken in that

@@ -19,7 +19,7 @@ from surveillance_domain.control.pomdp import PomdpController
 from surveillance_domain.control.record import RecordWriter
 from surveillance_domain.world.camera_report import CameraReport
 from surveillance_domain.world.network import NetworkWorld
-from surveillance_domain.world.truth import Truth
+from surveillance_domain.world.truth import OUTSIDE, Truth
 from surveillance_domain.world.yielding import HELD, MOVED
 
 __all__ = ["NO_VIEW", "THE_RECORD", "Alert", "Watch"]
@@ -106,7 +106,8 @@ class Watch:
         if isinstance(self.controller, PomdpController):
             content |= {"restarted": list(self.controller.restarted), "roster": list(self.controller.targets)}
         if self._truth is not None:
-            content["truth_m"] = np.round(self._truth().positions_m, 4).tolist()
+            places = np.round(self._truth().positions_m, 4)
+            content["truth_m"] = [place.tolist() if np.isfinite(place).all() else None for place in places]
         return content
 
     def summary(self) -> dict[str, Any]:
@@ -145,7 +146,7 @@ class Watch:
         self._expected += step.choice.value or 0.0
         self._unused["without_identity"] += step.sighting.without_identity
         self._unused["out_of_view"] += step.sighting.out_of_view
-        present = step.present if self._truth is None else len(self._truth().cells)
+        present = step.present if self._truth is None else int((self._truth().cells != OUTSIDE).sum())
         if present:
             self._shares, self._counted = self._shares + step.observed / present, self._counted + 1
         self._decision_ms.append(step.decision_ms)

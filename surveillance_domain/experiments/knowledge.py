@@ -14,12 +14,15 @@ from surveillance_domain.experiments.runs import prepared_run
 from surveillance_domain.experiments.setup import Case, surveillance_of
 from surveillance_domain.model.build import Surveillance
 from surveillance_domain.site.grid import Grid
+from surveillance_domain.world.truth import OUTSIDE
 
 __all__ = ["knowledge"]
 
 
 def knowledge(case: Case, number: int) -> float:
     """Share of target-steps, in one run, at which the controller places the target within one cell of where it is.
+
+    Targets that are outside are left out.
 
     For ``pomdp`` that is the mass which its belief, after the sighting, puts on the true cell and its eight neighbours;
     for ``mp`` and ``msp`` whether the last sighting of this step (static cameras included for ``msp``) lies there.
@@ -37,6 +40,8 @@ def knowledge(case: Case, number: int) -> float:
 
     def weigh(step: Step) -> None:
         for target, cell in zip(surveillance.targets, world.truth.cells, strict=True):
+            if cell == OUTSIDE:
+                continue
             shares.append(float(place(step, target)[near(int(cell))].sum()))
 
     run_loop(world, controller, case.steps, weigh)
@@ -50,7 +55,7 @@ def _placed_by(name: str, surveillance: Surveillance, controller: Controller) ->
     """Where a controller places a target after a step."""
     grid = surveillance.site.grid
     if isinstance(controller, PomdpController):
-        return lambda step, target: controller.belief.marginal(f"{target}.location")
+        return lambda step, target: controller.belief.marginal(f"{target}.location")[: grid.size]
     if name not in ("mp", "msp"):
         raise ValueError(f"{name} places no targets; expected pomdp, mp or msp")
 

@@ -86,4 +86,5 @@ def _expected(surveillance: Surveillance, controller: Controller) -> np.ndarray 
     """Expected number of targets in each cell; ``None`` for controllers without a belief."""
     if not isinstance(controller, PomdpController):
         return None
-    return np.sum([controller.belief.marginal(f"{target}.location") for target in surveillance.targets], axis=0)
+    places = np.sum([controller.belief.marginal(f"{target}.location") for target in surveillance.targets], axis=0)
+    return np.asarray(places[: surveillance.site.grid.size])

@@ -48,7 +48,10 @@ def simulated_world(surveillance: Surveillance, truth: TruthKind, seed: int, run
     for_truth, for_eyes = (np.random.default_rng(s) for s in np.random.SeedSequence(seed, spawn_key=(run,)).spawn(2))
     kind = GridTruth if truth == "grid" else ContinuousTruth
     site = surveillance.site
-    start = kind.initial(site.grid, motion_parameters(site), len(surveillance.targets), for_truth)
+    prior = None
+    if site.targets.doors:
+        prior = surveillance.model.initial[f"{surveillance.targets[0]}.location"].dense().array
+    start = kind.initial(site.grid, motion_parameters(site), len(surveillance.targets), for_truth, prior)
     return SimulatedWorld(surveillance, start, for_eyes)
 
 

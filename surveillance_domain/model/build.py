@@ -13,6 +13,7 @@ from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.variables import Variable
 from surveillance_domain.model.confusion import confusion_kernel
 from surveillance_domain.model.motion import MotionParameters, MotionTables, motion_tables
+from surveillance_domain.model.parameters import DoorParameters
 from surveillance_domain.model.reachability import reachable
 from surveillance_domain.model.views import Views, build_views
 from surveillance_domain.site.site import Site
@@ -20,10 +21,13 @@ from surveillance_domain.site.site import Site
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-__all__ = ["UNSEEN", "Surveillance", "motion_parameters", "surveillance_model", "target_names"]
+__all__ = ["OUTSIDE", "UNSEEN", "Surveillance", "motion_parameters", "surveillance_model", "target_names"]
 
 UNSEEN = "unseen"
 """The null observation φ: no camera detected the target. Its probability outside of every view is one."""
+
+OUTSIDE = "outside"
+"""Where a target is that left by a door: the last value of its location, where the site has doors."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +59,7 @@ def motion_parameters(site: Site) -> MotionParameters:
         sigma_speed_mps=site.targets.sigma_speed_mps,
         walls=site.targets.walls,
         step_s=site.control.step_s,
+        doors=tuple(DoorParameters(door.cells, door.rate_per_s) for door in site.targets.doors),
     )
 
 
@@ -73,16 +78,12 @@ def surveillance_model(site: Site, targets: int, discount: float = 1.0) -> Surve
     Raises
     ------
     ValueError
-        If there are no targets, or doors (where targets come and go).
+        If there are no targets.
     SiteError
         If a preset sees nothing.
     """
     if targets < 1:
         raise ValueError(f"targets={targets}: expected 1 or more")
-    if site.targets.doors:
-        raise ValueError(
-            f"site {site.name}: targets that come and go through doors cannot be simulated yet; remove targets.doors"
-        )
     views = build_views(site)
     pattern = _Pattern(site, views, motion_tables(site.grid, motion_parameters(site)))
     names = target_names(site, targets)
@@ -128,8 +129,9 @@ class _Pattern:
     def __init__(self, site: Site, views: Views, motion: MotionTables) -> None:
         cells = tuple((int(column), int(row)) for column, row in site.grid.cells)
         directions = tuple(360 * k / site.targets.directions for k in range(site.targets.directions))
+        places = (*cells, OUTSIDE) if site.targets.doors else cells
         self.state = {
-            "l": Variable("l", cells),
+            "l": Variable("l", places),
             "d": Variable("d", tuple(int(d) if d.is_integer() else d for d in directions)),
             "v": Variable("v", tuple(site.targets.speeds_mps)),
         }
@@ -147,6 +149,9 @@ class _Pattern:
         self.observation = _sighting(site, views, place, self.sighting, self.presets)
         self.reward = DenseFactor([self.sighting], np.append(np.ones(len(cells)), 0.0))
         self.initial = {x: DenseFactor([v], np.full(v.size, 1 / v.size)) for x, v in self.state.items()}
+        if motion.outside_share is not None:
+            inside = np.full(len(cells), (1 - motion.outside_share) / len(cells))
+            self.initial["l"] = DenseFactor([place], np.append(inside, motion.outside_share))
 
     def renaming(self, target: str) -> dict[str, str]:
         """Short names to a target's own."""
@@ -167,17 +172,26 @@ def _direction(motion: MotionTables, place: Variable, heading: Variable, speed: 
 
 
 def _sighting(site: Site, views: Views, place: Variable, sighting: Variable, presets: list[Variable]) -> NoisyOr:
-    """P(z | l, C): the detecting camera with the least noise reports the cell; nobody detects: `UNSEEN`."""
-    emissions = {noise: _with_silence(confusion_kernel(site.grid, noise)) for noise in set(views.noise_m)}
+    """P(z | l, C): the detecting camera with the least noise reports the cell; nobody detects: `UNSEEN`.
+
+    Nobody detects a target that is outside.
+    """
+    beyond = place.size - site.grid.size
+    emissions = {noise: _with_silence(confusion_kernel(site.grid, noise), beyond) for noise in set(views.noise_m)}
     order = sorted(range(len(presets)), key=lambda camera: views.noise_m[camera])
-    causes = [
-        Cause(presets[i].next, np.asarray(views.detection[i], dtype=float), emissions[views.noise_m[i]]) for i in order
-    ]
+    detection = [np.pad(np.asarray(one, dtype=float), ((0, 0), (0, beyond))) for one in views.detection]
+    causes = [Cause(presets[i].next, detection[i], emissions[views.noise_m[i]]) for i in order]
     return NoisyOr([place.next], sighting, UNSEEN, causes)
 
 
-def _with_silence(kernel: csr_array) -> Any:
-    """A column for `UNSEEN`, on which a detection puts nothing."""
+def _with_silence(kernel: csr_array, beyond: int) -> Any:
+    """A column for `UNSEEN`, on which a detection puts nothing, and a row for each place that no camera sees."""
     from scipy.sparse import csr_array
 
-    return csr_array((kernel.data, kernel.indices, kernel.indptr), shape=(kernel.shape[0], kernel.shape[1] + 1))
+    cells = kernel.shape[0]
+    indptr = np.append(kernel.indptr, kernel.indptr[-1] + 1 + np.arange(beyond, dtype=kernel.indptr.dtype))
+    data, indices = (
+        np.append(kernel.data, np.ones(beyond)),
+        np.append(kernel.indices, np.zeros(beyond, kernel.indices.dtype)),
+    )
+    return csr_array((data, indices, indptr), shape=(cells + beyond, cells + 1))

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from surveillance_domain.model.motion_doors import leaves_by_door
 from surveillance_domain.model.motion_walls import open_moves
 from surveillance_domain.model.parameters import MotionParameters
 from surveillance_domain.site.grid import Grid
@@ -27,7 +28,8 @@ WHOLE_CELLS_TOLERANCE = 1e-9
 class LocationTable:
     """P(l'|l,d',v') by its entries that are not zero; every (l, d', v') has at least one and sums to one.
 
-    Entries stand in the order of cell, direction, speed, next cell, and none stands twice.
+    Where there are doors, l and l' may be *outside*, the number after the last free cell's. Entries stand in the order
+    of cell, direction, speed, next cell, and none stands twice.
 
     Attributes
     ----------
@@ -61,16 +63,27 @@ class OpenMoves:
         Offsets and shares in open space.
     allowed : offset to (cells,) bool
         From which cells a move in whole cells is open.
-    open_mass : (cells, speeds, directions) float
-        Z(l,d',v'): share of the heading's moves that is open.
+    exits : offset to (cells,) bool
+        From which cells it leaves the map by a door; empty where there are no doors.
+    on_map : (cells, speeds, directions) float
+        Share of the heading's moves that is open and stays on the map.
+    exit_mass : (cells, speeds, directions) float
+        Share that leaves by a door.
     leads_on : (cells, speeds, directions) bool
-        Whether a move to another cell is open.
+        Whether a move to another cell, or out of a door, is open.
     """
 
     moves: tuple[tuple[MoveShares, ...], ...]
     allowed: dict[Offset, Bool[np.ndarray, "cells"]]
-    open_mass: Float[np.ndarray, "cells speeds directions"]
+    exits: dict[Offset, Bool[np.ndarray, "cells"]]
+    on_map: Float[np.ndarray, "cells speeds directions"]
+    exit_mass: Float[np.ndarray, "cells speeds directions"]
     leads_on: Bool[np.ndarray, "cells speeds directions"]
+
+    @property
+    def open_mass(self) -> Float[np.ndarray, "cells speeds directions"]:
+        """Z(l,d',v'): share of the heading's moves that is open."""
+        return self.on_map + self.exit_mass
 
 
 def move_shares(cells_a_step: float, heading_deg: float) -> MoveShares:
@@ -111,24 +124,30 @@ def open_move_shares(grid: Grid, parameters: MotionParameters) -> OpenMoves:
     moves = tuple(tuple(move_shares(length, heading) for length in step_cells) for heading in headings)
     offsets = {offset for by_speed in moves for move in by_speed for offset in move.offsets} | {STAYING}
     allowed = {offset: open_moves(grid.free, *offset)[grid.free] for offset in sorted(offsets)}
+    doors = parameters.doors
+    exits = {offset: leaves_by_door(grid, doors, *offset) for offset in sorted(offsets)} if doors else {}
     shape = (grid.size, len(step_cells), len(headings))
-    open_mass, leads_on = np.zeros(shape), np.zeros(shape, dtype=bool)
+    on_map, exit_mass, leads_on = np.zeros(shape), np.zeros(shape), np.zeros(shape, dtype=bool)
     for direction, by_speed in enumerate(moves):
         for speed, move in enumerate(by_speed):
             for offset, share in zip(move.offsets, move.shares, strict=True):
-                open_mass[:, speed, direction] += share * allowed[offset]
+                on_map[:, speed, direction] += share * allowed[offset]
                 if offset != STAYING:
                     leads_on[:, speed, direction] |= allowed[offset]
-    return OpenMoves(moves, allowed, open_mass, leads_on)
+                if exits:
+                    exit_mass[:, speed, direction] += share * exits[offset]
+                    leads_on[:, speed, direction] |= exits[offset]
+    return OpenMoves(moves, allowed, exits, on_map, exit_mass, leads_on)
 
 
 def location_table(grid: Grid, parameters: MotionParameters, moves: OpenMoves) -> LocationTable:
     """P(l'|l,d',v').
 
     With ``stay`` the share of the moves that are lost stays in the cell. With ``reject`` and ``reflect`` the shares
-    that are open are renormalised, share * open / Z(l,d',v'), and where none is open the target stays.
+    that are open are renormalised, share * open / Z(l,d',v'), and where none is open the target stays. A move out of a
+    door is open.
     """
-    slots = 1 + max(len(move.offsets) for by_speed in moves.moves for move in by_speed)
+    slots = 2 + max(len(move.offsets) for by_speed in moves.moves for move in by_speed)
     shape = (grid.size, parameters.directions, len(parameters.speeds_mps), slots)
     probability, next_cell = np.zeros(shape), np.zeros(shape, dtype=np.int64)
     for direction, by_speed in enumerate(moves.moves):
@@ -138,13 +157,19 @@ def location_table(grid: Grid, parameters: MotionParameters, moves: OpenMoves) -
             share = np.array([share_of.get(offset, 0.0) for offset in offsets])
             allowed = np.stack([moves.allowed[offset] for offset in offsets], axis=1)
             kept, own = share * allowed, offsets.index(STAYING)
+            lost, ends = ~allowed, [_moved(grid, offset) for offset in offsets]
+            if moves.exits:
+                leaving = np.stack([moves.exits[offset] for offset in offsets], axis=1)
+                kept = np.concatenate([kept, (share * leaving).sum(axis=1, keepdims=True)], axis=1)
+                lost = lost & ~leaving
+                ends.append(np.full(grid.size, grid.size))
             if parameters.walls == "stay":
-                kept[:, own] += (share * ~allowed).sum(axis=1)
+                kept[:, own] += (share * lost).sum(axis=1)
             else:
                 kept[kept.sum(axis=1) == 0, own] = 1.0
-            heading = (slice(None), direction, speed, slice(len(offsets)))
+            heading = (slice(None), direction, speed, slice(len(ends)))
             probability[heading] = kept / kept.sum(axis=1, keepdims=True)
-            next_cell[heading] = np.stack([_moved(grid, offset) for offset in offsets], axis=1)
+            next_cell[heading] = np.stack(ends, axis=1)
     cell, direction_number, speed_number, slot = np.nonzero(probability)
     entries = (cell, direction_number, speed_number, slot)
     return LocationTable(cell, direction_number, speed_number, next_cell[entries], probability[entries])

@@ -6,9 +6,25 @@ import math
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-__all__ = ["MotionParameters", "Walls"]
+__all__ = ["DoorParameters", "MotionParameters", "Walls"]
 
 Walls = Literal["reject", "reflect", "stay"]
+
+
+@dataclass(frozen=True)
+class DoorParameters:
+    """Where targets come and go.
+
+    Attributes
+    ----------
+    cells : tuple of (column, row)
+        Free cells.
+    rate_per_s : float
+        How often a target that is outside enters here, a second.
+    """
+
+    cells: tuple[tuple[int, int], ...]
+    rate_per_s: float
 
 
 @dataclass(frozen=True)
@@ -29,6 +45,8 @@ class MotionParameters:
         What becomes of a move that a wall or the map's edge forbids.
     step_s : float
         Length of one step in seconds.
+    doors : tuple of DoorParameters
+        Where targets come and go; without doors their number is constant.
 
     Raises
     ------
@@ -42,6 +60,7 @@ class MotionParameters:
     sigma_speed_mps: float
     walls: Walls
     step_s: float
+    doors: tuple[DoorParameters, ...] = ()
 
     def __post_init__(self) -> None:
         faults = []
@@ -61,5 +80,10 @@ class MotionParameters:
             faults.append(f"walls is {self.walls!r}, must be one of {', '.join(get_args(Walls))}")
         if not (math.isfinite(self.step_s) and self.step_s > 0):
             faults.append(f"step_s is {self.step_s}, must be finite and positive")
+        for number, door in enumerate(self.doors):
+            if not door.cells or not (math.isfinite(door.rate_per_s) and door.rate_per_s >= 0):
+                faults.append(
+                    f"doors[{number}] is {door}, must have a cell, and a rate that is finite and not negative"
+                )
         if faults:
             raise ValueError("motion parameters: " + "; ".join(faults))

@@ -40,7 +40,7 @@ class Frame:
     number : int
         Of the step, from 1.
     positions_m : (targets, 2) float
-        Where the targets really are.
+        Where the targets really are; nan for those that are not on the map.
     observed : (targets,) bool
         Whether some camera saw them.
     presets : tuple of int or None
@@ -88,12 +88,14 @@ class Scene:
             if preset is not None:
                 member[grid.free] = camera[preset] > 0
             lines.set_segments(list(outline_m(grid, member)))
-        self.dots.set_offsets(frame.positions_m)
-        self.dots.set_facecolor([INK if seen else "#ffffff" for seen in frame.observed])
-        self.dots.set_edgecolor(["#ffffff" if seen else INK for seen in frame.observed])
+        present = np.isfinite(frame.positions_m).all(axis=1)
+        observed = frame.observed[present]
+        self.dots.set_offsets(frame.positions_m[present])
+        self.dots.set_facecolor([INK if seen else "#ffffff" for seen in observed])
+        self.dots.set_edgecolor(["#ffffff" if seen else INK for seen in observed])
+        so_far = "" if np.isnan(frame.percent_obs) else f", PercentObs so far {frame.percent_obs:.1f} %"
         self.title.set_text(
-            f"{self.heading}\nstep {frame.number}: {frame.observed.sum()} of {len(frame.observed)} observed, "
-            f"PercentObs so far {frame.percent_obs:.1f} %"
+            f"{self.heading}\nstep {frame.number}: {observed.sum()} of {len(observed)} observed{so_far}"
         )
 
 

@@ -186,7 +186,10 @@ class ContinuousTruth:
         tried = np.concatenate([drawn, searched]) if self.parameters.sigma_direction_deg > 0 else searched
         ends = np.stack([x + length * np.cos(tried), y + length * np.sin(tried)], axis=1)
         ends_m = ends * self.grid.cell_m + np.asarray(self.grid.origin_m)
-        possible = np.ones(len(tried), dtype=bool) if self.parameters.doors else self.grid.number_at(ends_m) >= 0
+        possible = self.grid.number_at(ends_m) >= 0
+        if any(max(abs(x - column - 0.5), abs(y - row - 0.5)) <= length + 0.5 for column, row in self._door_cells):
+            column, row = self.grid.cell_at(ends_m).T
+            possible |= (column < 0) | (column >= self.grid.columns) | (row < 0) | (row >= self.grid.rows)
         for candidate in tried[possible].tolist():
             if self._goes_out(x, y, candidate, length):
                 return math.nan, math.nan, candidate

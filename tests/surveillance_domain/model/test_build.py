@@ -17,7 +17,7 @@ from surveillance_domain.domain import surveillance
 from surveillance_domain.model.build import UNSEEN, Surveillance, motion_parameters, surveillance_model, target_names
 from surveillance_domain.model.confusion import confusion_kernel
 from surveillance_domain.model.motion import motion_tables
-from surveillance_domain.site.sections import Door, KnownTarget
+from surveillance_domain.site.sections import KnownTarget
 from surveillance_domain.world.grid_chain import GridChain
 from tests.hand_made import altered, hand_made
 
@@ -332,9 +332,3 @@ def test_targets_are_named_as_the_site_knows_them():
 def test_no_targets_are_refused(targets):
     with pytest.raises(ValueError, match=rf"targets={targets}: expected 1 or more"):
         surveillance_model(altered("tiny"), targets)
-
-
-@pytest.mark.example
-def test_doors_are_refused():
-    with pytest.raises(ValueError, match=r"doors.*remove targets.doors"):
-        surveillance_model(altered("tiny", doors=(Door(cells=((0, 0),), rate_per_s=0.1),)), 1)

@@ -89,12 +89,15 @@ class Move:
         How long it took.
     because : str
         Why it did not reach; empty if it did.
+    fault : str
+        The class of the error that made it unreachable; empty if it was not.
     """
 
     outcome: Outcome
     position: Position | None
     seconds: float
     because: str = ""
+    fault: str = ""
 
 
 @dataclass(frozen=True)

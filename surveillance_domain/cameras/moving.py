@@ -76,7 +76,7 @@ def drive(motors: Motors, target: Position, pace: Pace, clock: Clock, rng: np.ra
     try:
         outcome, because = trip.go()
     except CameraError as error:
-        outcome, because = Outcome.UNREACHABLE, str(error)
+        return Move(Outcome.UNREACHABLE, trip.last, clock.now() - start, str(error), type(error).__name__)
     return Move(outcome, trip.last, clock.now() - start, because)
 
 

@@ -110,7 +110,8 @@ class VapixCamera:
             try:
                 limits = self.limits or self._read_limits(start + budget_s)
             except CameraError as error:
-                return Move(Outcome.UNREACHABLE, None, self._clock.now() - start, str(error))
+                spent_s = self._clock.now() - start
+                return Move(Outcome.UNREACHABLE, None, spent_s, str(error), type(error).__name__)
             faults = limits.faults(target)
             if faults:
                 return Move(Outcome.STALLED, None, 0.0, f"{self.name}: not sent, the camera would clamp: {faults[0]}")

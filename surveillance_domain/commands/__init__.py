@@ -23,6 +23,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     from surveillance_domain.commands.hold import hold
     from surveillance_domain.commands.learn import learn
     from surveillance_domain.commands.park import park
+    from surveillance_domain.commands.replay_run import replay_run
+    from surveillance_domain.commands.report import report
     from surveillance_domain.commands.run import run
     from surveillance_domain.commands.simulate import simulate
 
@@ -34,7 +36,21 @@ def main(arguments: Sequence[str] | None = None) -> None:
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-    for command in (simulate, compare, coverage, learn, run, emulate, calibrate, add_preset, doctor, hold, park):
+    for command in (
+        simulate,
+        compare,
+        coverage,
+        learn,
+        run,
+        emulate,
+        calibrate,
+        add_preset,
+        doctor,
+        hold,
+        park,
+        report,
+        replay_run,
+    ):
         application.command()(guarded(command))
     given = list(sys.argv[1:] if arguments is None else arguments)
     token = COMMAND_LINE.set(shlex.join(["surveillance", *given]))

@@ -53,7 +53,8 @@ class CameraReport:
         if move is None:
             self.outcome, self.arrived = str(Outcome.TIMED_OUT), False
             return
-        self.outcome, self.move_s, self.because = str(move.outcome), move.seconds, move.because
+        self.outcome, self.move_s = str(move.outcome), move.seconds
+        self.because, self.fault = move.because, move.fault
         sent_off = move.outcome is Outcome.TIMED_OUT or (move.outcome is Outcome.STALLED and move.position is not None)
         self.arrived = not sent_off
 

@@ -1,0 +1,119 @@
+"""``surveillance report``: the morning's page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from factored_pomdp.commands.answers import AsJson, InputError, answer
+from surveillance_domain.commands.recorded import lines_of, model_of
+
+if TYPE_CHECKING:
+    from surveillance_domain.control.morning import Morning
+    from surveillance_domain.model.build import Surveillance
+
+__all__ = ["report"]
+
+_ALTERNATIVES = 5
+
+
+def report(
+    record: Annotated[Path, typer.Argument(metavar="RECORD", help="A record's folder, or one of its files.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder for report.html, report.txt, night.png.")
+    ] = None,
+    step: Annotated[
+        int | None, typer.Option(min=1, help="Also: why that step of the last run was chosen as it was.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Sum up a night from its record: outages with cause and mend, held cameras, restarts, what was seen."""
+    from surveillance_domain.commands.report_content import content_of, shown, write_report
+
+    surveillance, trouble = _model(record)
+    morning = _summed_up(record, surveillance)
+    if not morning.steps:
+        raise InputError(f"{record}: a record without steps")
+    why = None if step is None else _why(record, morning, surveillance, trouble, step)
+    content = content_of(record, morning, why, trouble)
+    if out is not None:
+        content["written"] = write_report(out, content, morning)
+    answer(content, shown(content), as_json=as_json)
+
+
+def _model(record: Path) -> tuple[Surveillance | None, str]:
+    """The model of the record's last run, or why it cannot be had."""
+    last = None
+    for line in lines_of(record):
+        if line["kind"] == "header":
+            last = line
+    if last is None:
+        raise InputError(f"{record}: a record without a header; give the folder with all of its files")
+    try:
+        return model_of(last), ""
+    except InputError as problem:
+        return None, str(problem)
+
+
+def _summed_up(record: Path, surveillance: Surveillance | None) -> Morning:
+    from functools import lru_cache
+
+    from surveillance_domain.control.morning import Morning
+
+    if surveillance is None:
+        morning = Morning()
+    else:
+        cameras, views = surveillance.site.cameras, surveillance.views
+        names = [[preset.name for preset in camera.presets] for camera in cameras]
+
+        @lru_cache(maxsize=4096)
+        def share(looks: tuple[str | None, ...]) -> float:
+            numbers = [None if look is None else own.index(look) for look, own in zip(looks, names, strict=True)]
+            return float((views.seen(numbers) > 0).mean())
+
+        morning = Morning(lambda looks: share(tuple(looks[camera.name] for camera in cameras)))
+    for line in lines_of(record):
+        morning.take(line)
+    morning.end()
+    return morning
+
+
+def _why(record: Path, morning: Morning, surveillance: Surveillance | None, trouble: str, step: int) -> dict[str, Any]:
+    """The choice of a step, its value and the best alternatives, from the belief that the record leads to."""
+    from surveillance_domain.control.replaying import Refilter
+
+    if surveillance is None:
+        raise InputError(f"--step {step}: {trouble}")
+    refilter, run, taken = Refilter(surveillance), morning.runs[-1]["run"], 0
+    inside = False
+    for line in lines_of(record):
+        if line["kind"] == "header":
+            inside = line["run"] == run
+        elif inside and line["step"] == step:
+            valued = [
+                ({name.removesuffix(".move"): preset for name, preset in choice.items()}, value)
+                for choice, value in refilter.values()
+            ]
+            chosen = {name: line["sent"][name] for name in (valued[0][0] if valued else {})}
+            ranked = sorted(valued, key=lambda one: -one[1])
+            return {
+                "step": step,
+                "written": line["written"],
+                "sent": line["sent"],
+                "value": line["value"],
+                "method": line["method"],
+                "left_out": sorted(line["sent"].keys() - chosen.keys()),
+                "recomputed_value": next((value for choice, value in valued if choice == chosen), None),
+                "exact": taken == step - 1,
+                "alternatives": [{"presets": choice, "value": value} for choice, value in ranked if choice != chosen][
+                    :_ALTERNATIVES
+                ],
+                "observations": {**line["observations"], **line["unknown"]},
+                "views": line["views"],
+            }
+        elif inside:
+            refilter.take(line)
+            taken += 1
+    raise InputError(f"--step {step}: the last run of this record has no such step ({taken} are there)")

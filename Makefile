@@ -7,7 +7,7 @@ EXTRAS := dev,notebooks,vision,page,cluster,bench
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-all lint type format docs bench results notebook constraints clean
+.PHONY: help browser demo test test-all lint type format docs bench results notebook constraints clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' Makefile
@@ -15,10 +15,10 @@ help: ## list the targets
 demo: .venv/.installed-core ## the main job: verify, compare, simulate; leaves pictures and a table in out/demo
 	$(BIN)/python -m surveillance_domain.commands.demo --out out/demo
 
-test: .venv/.installed-dev ## the fast tests, notebooks included
+test: .venv/.installed-dev browser ## the fast tests, notebooks included
 	$(PYTEST) -m "not slow"
 
-test-all: .venv/.installed-dev ## every test, the slow ones too
+test-all: .venv/.installed-dev browser ## every test, the slow ones too
 	$(PYTEST)
 
 lint: .venv/.installed-dev ## style, format, and the floors of the house
@@ -77,3 +77,10 @@ $(BIN)/pip:
 	    if [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null; then apt-get update -q && apt-get install -q -y python3-venv; \
 	    else echo "$(PYTHON) cannot make virtual environments. On Debian and Ubuntu: sudo apt-get install python3-venv" >&2; exit 2; fi; }
 	@$(PYTHON) -m venv .venv
+
+browser: # the tests of the live page want one; without it they are skipped
+	@command -v chromium > /dev/null && command -v chromedriver > /dev/null || { \
+	    echo "The tests of the live page need chromium and chromedriver." >&2; \
+	    if [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null; then \
+	        apt-get update -q && apt-get install -q -y --no-install-recommends chromium chromium-driver; \
+	    else false; fi; } || echo "They are skipped. On Debian: sudo apt-get install chromium chromium-driver" >&2

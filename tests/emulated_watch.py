@@ -19,7 +19,7 @@ from surveillance_domain.emulation.faults import Faults
 from surveillance_domain.emulation.site import PASSWORD, EmulatedSite
 from surveillance_domain.emulation.truth_eyes import TruthEyes
 from surveillance_domain.emulation.virtual_clock import VirtualClock
-from surveillance_domain.model.build import surveillance_model
+from surveillance_domain.model.build import Surveillance, surveillance_model
 from surveillance_domain.site.load import load_site
 from surveillance_domain.site.site import Site
 from surveillance_domain.world.eyes import Eyes
@@ -53,10 +53,11 @@ FAULTS: dict[str, Fault] = {
 }
 
 
-def lego(without: str | None = None) -> Site:
+def lego(without: str | None = None, **operation: float) -> Site:
     """The paper's real experiment, or what is left of it without one camera."""
     site = load_site("lego")
-    return replace(site, cameras=tuple(camera for camera in site.cameras if camera.name != without))
+    kept = tuple(camera for camera in site.cameras if camera.name != without)
+    return replace(site, cameras=kept, operation=site.operation.model_copy(update=operation))
 
 
 @dataclass
@@ -84,16 +85,16 @@ def emulated_watch(
     held: Callable[[], Sequence[str]] = tuple,
     moves: bool = True,
     strangers: int = 0,
-    wired: bool = True,
+    wired: bool = False,
 ) -> Iterator[Emulated]:
     """Cameras, world and watch, got to know and ready; ``grid`` truth, so that the model is the true one.
 
-    Without a wire the drivers ask the emulated cameras straight.
+    Unless they are wired, drivers ask the emulated cameras straight.
     """
     clock = VirtualClock()
     for_truth, for_eyes, for_retries = np.random.default_rng(seed).spawn(3)
     with EmulatedSite(site, targets + strangers, clock, for_truth, truth="grid") as emulation:
-        surveillance = surveillance_model(emulation.site, targets)
+        surveillance = replace(_model(site, targets), site=emulation.site)
         drawn = TruthEyes(surveillance, emulation, for_eyes)
         chosen = drawn if eyes is None else eyes(emulation, drawn)
         cameras = emulation.open_cameras(for_retries) if wired else _unwired(emulation, clock, for_retries)
@@ -104,6 +105,17 @@ def emulated_watch(
             yield Emulated(site, clock, emulation, world, Watch(world, controller, truth=lambda: emulation.truth))
         finally:
             world.close()
+
+
+_MODELS: dict[tuple[str, tuple[str, ...], int], Surveillance] = {}
+
+
+def _model(site: Site, targets: int) -> Surveillance:
+    """The same for all runs: addresses and people's habits do not enter into it."""
+    key = site.digest, tuple(camera.name for camera in site.cameras), targets
+    if key not in _MODELS:
+        _MODELS[key] = surveillance_model(site, targets)
+    return _MODELS[key]
 
 
 def _unwired(emulation: EmulatedSite, clock: VirtualClock, rng: np.random.Generator) -> list[VapixCamera]:

@@ -15,6 +15,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from results_figures import draw_figures
+from results_myopia_text import section
 from results_table import RUNS, SIMULATED, Key, Results
 from results_text import page
 
@@ -55,7 +56,8 @@ def main() -> None:
     draw_figures(results, figures)
     arguments = [one for one in sys.argv[1:] if one != "--text-only"]
     command = shlex.join(["python", "benchmarks/results.py", *arguments])
-    _write_text(given.out / "results.md", page(results, command))
+    last = section(figures)
+    _write_text(given.out / "results.md", page(results, command) + (f"\n{last}" if last else ""))
     print(f"Written: {given.out / 'results.md'} and the figures in {figures}")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -109,9 +110,10 @@ def live_page(
     except PageMissing as problem:
         raise InputError(str(problem)) from None
     except OSError as problem:
+        reason = os.strerror(problem.errno) if (problem.errno or 0) > 0 else str(problem.strerror or problem)
         raise InputError(
-            f"the page cannot be served at {request.address} port {request.port}: "
-            f"{(problem.strerror or str(problem)).lower()}; give another --page-address or --page-port"
+            f"the page cannot be served at {request.address} port {request.port}: {reason.lower()}; "
+            "give another --page-address or --page-port"
         ) from None
     try:
         side_console().print(f"page: {page.url}", soft_wrap=True)

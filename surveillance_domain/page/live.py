@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import socket
 import threading
 import time
 from collections.abc import Sequence
@@ -121,11 +122,13 @@ class LivePage:
     def _servers(self) -> tuple[HTTPServer, BaseServer]:
         from bokeh.server.server import BaseServer
         from bokeh.server.tornado import BokehTornado
-        from bokeh.server.util import bind_sockets
         from tornado.httpserver import HTTPServer
         from tornado.ioloop import IOLoop
 
-        sockets, port = bind_sockets(self._address, self._wanted_port)
+        family = socket.AF_INET6 if ":" in self._address else socket.AF_INET
+        listening = socket.create_server((self._address, self._wanted_port), family=family)
+        listening.setblocking(False)
+        port = listening.getsockname()[1]
         options: dict[str, Any] = {}
         if self._token is not None:
             options["auth_provider"], options["cookie_secret"] = door(self._token, port)
@@ -140,7 +143,7 @@ class LivePage:
             **options,
         )
         http = HTTPServer(application)
-        http.add_sockets(sockets)
+        http.add_sockets([listening])
         return http, BaseServer(IOLoop.current(), application, http)
 
     def _open(self, document: Document) -> None:

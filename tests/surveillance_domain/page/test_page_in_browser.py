@@ -225,3 +225,18 @@ def test_it_says_when_the_watch_is_over(browser: Browser, shown: Shown) -> None:
     assert browser.complaints() == []
     shown.page.close()
     browser.wait(lambda: "No connection" in browser.text("#lost"))
+
+
+@pytest.mark.end_to_end
+def test_the_token_is_typed_in_once(browser: Browser, tmp_path: Path) -> None:
+    site = lego()
+    content = Content(surveillance_model(site, 1), "pomdp", WatchState(site, tmp_path), False, True, False)
+    with LivePage(content, token="sixteen letters or more") as page:
+        browser.open(page.url)
+        browser.deep("input")[0].send_keys("sixteen letters or more\n")
+        browser.wait(lambda: "Waiting for the first step." in browser.text(".waiting"))
+        assert browser.run("return location.pathname + location.search") == "/"
+        assert browser.run("return document.cookie") == ""  # scripts cannot read it
+        assert browser.complaints() == []
+        browser.open("about:blank")
+        browser.complaints()

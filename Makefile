@@ -3,7 +3,7 @@ PYTHON ?= python3
 WORKERS ?= 2
 BIN := .venv/bin
 PYTEST := $(BIN)/pytest -n $(WORKERS) -p nbmake --nbmake tests $(wildcard notebooks)
-EXTRAS := dev,notebooks,vision,page,cluster,bench
+EXTRAS := dev,docs,notebooks,vision,page,cluster,bench
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -33,8 +33,10 @@ format: .venv/.installed-dev ## put every file into shape
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-docs: .venv/.installed-dev ## check that every link between the pages leads somewhere
+docs: .venv/.installed-dev ## build the documentation site into out/site; a warning or a dead link is a failure
 	$(BIN)/pytest -q tests/test_documentation_links.py
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+	@echo "The site stands in out/site; open out/site/index.html"
 
 bench: .venv/.installed-bench ## measure speed, against the rivals too
 	$(BIN)/python -m benchmarks.run
@@ -61,9 +63,9 @@ clean: ## remove the environment and everything that was made
 
 # ------------------------------------------------------------------------------------------------------ the environment
 .venv/.installed-core: extras =
-.venv/.installed-dev: extras = [dev,vision,page,cluster]
+.venv/.installed-dev: extras = [dev,docs,vision,page,cluster]
 .venv/.installed-notebooks: extras = [notebooks]
-.venv/.installed-bench: extras = [dev,vision,page,cluster,bench]
+.venv/.installed-bench: extras = [dev,docs,vision,page,cluster,bench]
 .venv/.installed-core .venv/.installed-dev .venv/.installed-notebooks .venv/.installed-bench: pyproject.toml constraints.txt | $(BIN)/pip
 	@echo "Installing factored-pomdp$(extras) into .venv (the first time takes a minute or two) ..."
 	@$(BIN)/pip install -q -c constraints.txt -e ".$(extras)"

@@ -23,6 +23,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     from surveillance_domain.commands.hold import hold
     from surveillance_domain.commands.learn import learn
     from surveillance_domain.commands.park import park
+    from surveillance_domain.commands.replay import replay
     from surveillance_domain.commands.replay_run import replay_run
     from surveillance_domain.commands.report import report
     from surveillance_domain.commands.run import run
@@ -41,6 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         compare,
         coverage,
         learn,
+        replay,
         run,
         emulate,
         calibrate,

@@ -26,6 +26,7 @@ from surveillance_domain.commands.options import (
     truth_kind,
     workers_checked,
 )
+from surveillance_domain.commands.run_answer import measured, shown_runs, write_run
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -112,28 +113,17 @@ def _content(
     case: Case, site: str, done: Mapping[int, Run], interrupted: bool, inputs: Mapping[str, str]
 ) -> dict[str, Any]:
     from factored_pomdp.provenance import provenance
-    from surveillance_domain.commands.folder import finite
-    from surveillance_domain.experiments.estimates import decision_times, percent_obs_of
 
-    found = percent_obs_of(done)
-    median, late = decision_times(done.values())
     carried = provenance(COMMAND_LINE.get(), inputs, case.seed)
     return {
         "site": site,
         "controller": case.controller,
         "targets": case.setup.targets,
         "steps": case.steps,
-        "runs": len(done),
         "truth": case.truth,
         "detection_probability": case.setup.detection_probability,
         "cell_noise_m": case.setup.cell_noise_m,
-        "percent_obs": {
-            "mean": finite(found.mean),
-            "ci95": [finite(found.low), finite(found.high)],
-            "per_run": [done[number].percent_obs for number in sorted(done)],
-        },
-        "decision_ms": {"median": finite(median), "p99": finite(late)},
-        "restarts": sum(run.restarts for run in done.values()),
+        **measured(done),
         "interrupted": interrupted,
         **carried,
         "provenance": carried,
@@ -141,43 +131,17 @@ def _content(
 
 
 def _write(out: Path, case: Case, recording: Recording | None, content: Mapping[str, Any]) -> None:
-    from surveillance_domain.commands.folder import PROVENANCE, whole_folder, write_json
-    from surveillance_domain.experiments.recording import write_steps
     from surveillance_domain.experiments.setup import surveillance_of
     from surveillance_domain.experiments.variants import ALL_NAMES
-    from surveillance_domain.pictures.animation import draw_frame, write_animation
-    from surveillance_domain.pictures.style import save_figure
 
-    with whole_folder(out) as folder:
-        if recording is not None:
-            surveillance = surveillance_of(case.setup)
-            named = f"{case.setup.targets} target{'s' if case.setup.targets > 1 else ''}"
-            heading = f"{surveillance.site.name}, controller {ALL_NAMES[case.controller]}, {named}"
-            world = (surveillance.site, surveillance.views)
-            write_animation(*world, recording.frames, heading, folder / "run.gif")
-            save_figure(draw_frame(*world, recording.frames[-1], heading), folder / "last-step.png")
-            write_steps(recording, folder / "steps.csv")
-        write_json(folder / "result.json", content)
-        write_json(folder / PROVENANCE, content["provenance"])
+    surveillance = surveillance_of(case.setup)
+    named = f"{case.setup.targets} target{'s' if case.setup.targets > 1 else ''}"
+    heading = f"{surveillance.site.name}, controller {ALL_NAMES[case.controller]}, {named}"
+    write_run(out, surveillance, recording, heading, content)
 
 
 def _shown(content: Mapping[str, Any], out: Path | None) -> list[RenderableType]:
     rows = table("simulated", "found", right=["found"])
     for key in ("site", "controller", "targets", "steps", "runs", "truth"):
         rows.add_row(key, str(content[key]))
-    found, times = content["percent_obs"], content["decision_ms"]
-    low, high = found["ci95"]
-    if found["mean"] is not None:
-        rows.add_row("PercentObs", f"{found['mean']:.2f} %")
-    if low is not None:
-        rows.add_row("95 % interval of its mean", f"{low:.2f} … {high:.2f} %")
-    if times["median"] is not None:
-        rows.add_row("time of a decision, median", f"{times['median']:.3f} ms")
-        rows.add_row("99th percentile", f"{times['p99']:.3f} ms")
-    rows.add_row("beliefs started anew", str(content["restarts"]))
-    shown: list[RenderableType] = [rows]
-    if content["interrupted"]:
-        shown.append(f"Interrupted; the {content['runs']} runs that were finished are counted.")
-    if out is not None:
-        shown.append(f"Written to {out}")
-    return shown
+    return shown_runs(rows, content, out)

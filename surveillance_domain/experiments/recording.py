@@ -13,13 +13,14 @@ from surveillance_domain.control.base import Controller
 from surveillance_domain.control.loop import Step, run_loop
 from surveillance_domain.control.percent_obs import percent_obs
 from surveillance_domain.control.pomdp import PomdpController
-from surveillance_domain.experiments.runs import Run, prepared_run
+from surveillance_domain.experiments.runs import Run, prepared_run, run_of
 from surveillance_domain.experiments.setup import Case, surveillance_of
 from surveillance_domain.model.build import Surveillance
 from surveillance_domain.pictures.scene import Frame
 from surveillance_domain.site.camera import Camera
+from surveillance_domain.world.simulated import SimulatedWorld
 
-__all__ = ["Recording", "record_run", "write_steps"]
+__all__ = ["Recording", "record_run", "recorded", "write_steps"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +36,11 @@ def record_run(case: Case, number: int) -> Recording:
     """Run ``number`` of a case, recorded; PercentObs is that of `simulate_run`."""
     surveillance = surveillance_of(case.setup)
     world, controller = prepared_run(surveillance, case.controller, case.steps, case.seed, number, case.truth)
+    return recorded(surveillance, world, controller, case.steps)
+
+
+def recorded(surveillance: Surveillance, world: SimulatedWorld, controller: Controller, count: int) -> Recording:
+    """A run of ``count`` steps, recorded."""
     steps: list[Step] = []
     frames: list[Frame] = []
 
@@ -46,9 +52,8 @@ def record_run(case: Case, number: int) -> Recording:
         expected = _expected(surveillance, controller)
         frames.append(Frame(step.number, positions, observed, presets, expected, percent_obs(steps)))
 
-    run_loop(world, controller, case.steps, record)
-    run = Run(percent_obs(steps), tuple(step.decision_ms for step in steps), controller.restarts)
-    return Recording(run, tuple(steps), tuple(frames))
+    run_loop(world, controller, count, record)
+    return Recording(run_of(steps, controller), tuple(steps), tuple(frames))
 
 
 def write_steps(recording: Recording, path: Path) -> None:

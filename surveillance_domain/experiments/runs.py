@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -18,7 +18,7 @@ from surveillance_domain.world.simulated import SimulatedWorld
 from surveillance_domain.world.truth_continuous import ContinuousTruth
 from surveillance_domain.world.truth_grid import GridTruth
 
-__all__ = ["Run", "TruthKind", "prepared_run", "simulate_run", "simulated_world"]
+__all__ = ["Run", "TruthKind", "prepared_run", "run_of", "simulate_run", "simulated_world"]
 
 TruthKind = Literal["grid", "continuous"]
 """Whether targets move by the model's own chain, or in metres against the walls' geometry."""
@@ -80,5 +80,9 @@ def simulate_run(
 ) -> Run:
     """Let a controller run for some steps; ``each`` is told of every step when it is over."""
     world, chosen = prepared_run(surveillance, controller, steps, seed, run, truth)
-    record = run_loop(world, chosen, steps, each)
-    return Run(percent_obs(record), tuple(step.decision_ms for step in record), chosen.restarts)
+    return run_of(run_loop(world, chosen, steps, each), chosen)
+
+
+def run_of(record: Sequence[Step], controller: Controller) -> Run:
+    """What the steps of a run came to."""
+    return Run(percent_obs(record), tuple(step.decision_ms for step in record), controller.restarts)

@@ -110,7 +110,8 @@ def live_page(
     except PageMissing as problem:
         raise InputError(str(problem)) from None
     except OSError as problem:
-        reason = os.strerror(problem.errno) if (problem.errno or 0) > 0 else str(problem.strerror or problem)
+        number = problem.errno or 0
+        reason = os.strerror(number) if number > 0 else str(problem.strerror or problem)
         raise InputError(
             f"the page cannot be served at {request.address} port {request.port}: {reason.lower()}; "
             "give another --page-address or --page-port"

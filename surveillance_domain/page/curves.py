@@ -43,6 +43,7 @@ class Curves:
         lines: dict[str, Any] = {"source": self._source, "line_width": 2}
         counts.step("step", "seen", mode="center", color=_SEEN, legend_label="seen", **lines)
         counts.step("step", "expected", mode="center", color=_EXPECTED, legend_label="expected", **lines)
+        counts.yaxis.ticker.min_interval = 1
         counts.legend.orientation = "horizontal"
         counts.legend.label_text_font_size = "12px"
         counts.legend.border_line_color = None

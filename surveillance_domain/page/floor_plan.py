@@ -68,7 +68,7 @@ class FloorPlan:
         self._cameras = ColumnDataSource(self._marked(()), name="cameras")
         self._arrows = ColumnDataSource({"x0": [], "y0": [], "x1": [], "y1": []}, name="arrows")
         self._sightings = ColumnDataSource({"x": [], "y": []}, name="sightings")
-        self._truth = ColumnDataSource({"x": [], "y": [], "fill": [], "name": []}, name="truth")
+        self._truth = ColumnDataSource({"x": [], "y": [], "fill": [], "line": [], "name": []}, name="truth")
         self._draw()
 
     def show(self, snapshot: Snapshot, target: str | None) -> None:
@@ -122,11 +122,28 @@ class FloorPlan:
         plan.quad([left], [right], [bottom], [top], fill_alpha=0, line_color=INK)
         plan.segment("x0", "y0", "x1", "y1", source=self._arrows, color=INK, line_width=3)
         cameras = plan.scatter(
-            "x", "y", source=self._cameras, marker="marker", size=14, fill_color="fill", line_color="line", line_width=2
+            "x",
+            "y",
+            source=self._cameras,
+            marker="marker",
+            size=15,
+            fill_color="fill",
+            line_color="line",
+            line_width=2.5,
         )
-        plan.scatter("x", "y", source=self._sightings, marker="square", size=19, fill_alpha=0, line_color=INK)
-        plan.scatter("x", "y", source=self._truth, size=10, fill_color="fill", line_color=INK, line_width=1.5)
-        label: dict[str, Any] = {"x_offset": 9, "y_offset": -7, "text_font_size": "12px", "text_color": INK}
+        for colour, width in (("#ffffff", 4), (INK, 1.5)):  # to be seen on light ground and on dark
+            plan.scatter(
+                "x",
+                "y",
+                source=self._sightings,
+                marker="square",
+                size=19,
+                fill_alpha=0,
+                line_color=colour,
+                line_width=width,
+            )
+        plan.scatter("x", "y", source=self._truth, size=11, fill_color="fill", line_color="line", line_width=1.5)
+        label: dict[str, Any] = {"x_offset": 9, "text_baseline": "middle", "text_font_size": "12px", "text_color": INK}
         plan.text(
             "x", "y", "name", source=self._truth, background_fill_color="white", background_fill_alpha=0.7, **label
         )
@@ -169,6 +186,7 @@ class FloorPlan:
             "x": [x for x, _ in truth.values()],
             "y": [y for _, y in truth.values()],
             "fill": [INK if target in snapshot.seen_at else "#ffffff" for target in truth],
+            "line": ["#ffffff" if target in snapshot.seen_at else INK for target in truth],
             "name": [target if len(truth) <= _MOST_NAMED else "" for target in truth],
         }
 

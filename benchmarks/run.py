@@ -19,7 +19,7 @@ from benchmarks.report import Report
 
 __all__ = ["BENCHMARKS", "main", "show"]
 
-BENCHMARKS = ("growth", "rivals", "exponential", "elimination", "large_map", "planners", "detection")
+BENCHMARKS = ("growth", "rivals", "exponential", "elimination", "large_map", "planners", "detection", "control_step")
 _WIDTH = 160
 """Columns of text where the output goes to a file."""
 _CAVEAT = "numpy's own speed depends on its BLAS kernel: set OPENBLAS_CORETYPE to compare with another one"

@@ -1,0 +1,161 @@
+"""A watch over cameras: what it sums up, records and tells."""
+
+from __future__ import annotations
+
+import json
+from itertools import islice
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("cv2")
+
+from surveillance_domain.control.record import RecordWriter, read_record
+from surveillance_domain.control.replaying import Refilter, sighting_of
+from surveillance_domain.control.watch import Watch
+from surveillance_domain.control.watch_state import AlreadyRun, WatchState
+from surveillance_domain.model.build import surveillance_model
+from tests.emulated_watch import Emulated, emulated_watch, lego
+
+PASSWORD = "emulated"
+
+
+def steps(running: Emulated, count: int) -> None:
+    for _ in islice(running.watch.turns(), count):
+        pass
+
+
+@pytest.mark.end_to_end
+def test_the_summary_adds_up() -> None:
+    with emulated_watch(lego(), 2, 3, strangers=1) as running:
+        taken = [step.observed for step in islice(running.watch.turns(), 10)]
+        found = running.watch.summary()
+    assert found["steps"] == 10
+    assert found["seen"] == pytest.approx(sum(taken) / 10)
+    assert found["percent_obs"] == pytest.approx(100 * sum(taken) / 10 / 3)  # of three that are there, one a stranger
+    assert found["roster"]["now"] == ["red", "blue", "marker 2"]
+    assert (found["roster"]["started"], found["late"], found["unrecorded"]) == (1, 0, 0)
+    assert [camera["state"] for camera in found["cameras"]] == ["ready"] * 3
+
+
+@pytest.mark.end_to_end
+def test_without_truth_there_is_no_percent_obs() -> None:
+    with emulated_watch(lego(), 2, 3) as running:
+        watch = Watch(running.world, running.controller)
+        for _ in islice(watch.turns(), 3):
+            pass
+        found = watch.summary()
+    assert found["percent_obs"] is None
+    assert found["expected_observed"] > 0
+    assert found["seen"] is not None
+
+
+@pytest.mark.end_to_end
+def test_the_record_leads_to_the_same_belief_and_holds_no_secret(tmp_path: Path) -> None:
+    with emulated_watch(lego(), 3, 5, strangers=1) as running:
+        record = RecordWriter(tmp_path, {"site": "lego"}, 7.0)
+        watch = Watch(running.world, running.controller, record, lambda: running.emulation.truth)
+        running.emulation.cameras["south"].faults.wrong_password = True
+        for step in islice(watch.turns(), 15):
+            last = step
+        record.close()
+        lines = [line for line in read_record(tmp_path) if line["kind"] == "step"]
+        refilter = Refilter(surveillance_model(lego(), 3))
+        for line in lines:
+            best = max(value for _, value in refilter.values())
+            assert best == pytest.approx(line["value"], abs=1e-9)
+            refilter.take(line)
+        assert sighting_of(lines[-1]) == last.sighting
+        for mine, theirs in zip(refilter.belief.arrays, running.controller.belief.arrays, strict=True):
+            assert mine == pytest.approx(theirs, abs=1e-12)
+    text = "".join(path.read_text() for path in tmp_path.iterdir())
+    assert PASSWORD not in text
+    assert "Digest" not in text
+    assert lines[-1]["cameras"]["south"]["fault"] in {"LoginRefused", "CameraAway"}
+    assert lines[-1]["cameras"]["south"]["state"] == "locked out"
+    assert set(lines[-1]["roster"]) >= {"red", "blue", "green"}
+    assert len(lines[-1]["truth_m"]) == 4
+
+
+@pytest.mark.end_to_end
+def test_lost_and_returned_cameras_are_told_of_once() -> None:
+    told: list[tuple[str, str]] = []
+    with emulated_watch(lego(), 1, 1) as running:
+        running.watch._alert = lambda camera, state, because: told.append((camera, state))
+        steps(running, 2)
+        faults = running.emulation.cameras["south"].faults
+        faults.drop_share = 1.0
+        steps(running, 4)
+        assert told == [("south", "lost")]
+        assert running.watch.summary()["cameras"][0]["state"] == "away"
+        faults.drop_share = 0.0
+        running.clock.sleep(40.0)
+        steps(running, 3)
+        assert told == [("south", "lost"), ("south", "returned")]
+        assert running.watch.summary()["cameras"][0]["state"] == "ready"
+
+
+@pytest.mark.end_to_end
+def test_a_camera_that_answers_but_shows_nothing_is_lost_after_half_a_minute() -> None:
+    told: list[tuple[str, str, str]] = []
+    with emulated_watch(lego(), 1, 1) as running:
+        running.watch._alert = lambda *words: told.append(words)
+        steps(running, 2)
+        running.emulation.cameras["south"].faults.pan_drift_deg_per_s = 0.0
+        running.emulation.cameras["south"].motors._drift_deg = 7.0
+        running.clock.sleep(100.0)
+        steps(running, 2)
+        assert told == []  # somebody else moved it, for all that one can know, and has it
+        running.world._nodes["south"].yielding._yield_s = 0.0
+        steps(running, 3)
+        running.clock.sleep(31.0)
+        steps(running, 2)
+        assert [(camera, state) for camera, state, _ in told] == [("south", "lost")]
+        assert running.watch.summary()["cameras"][0]["state"] == "no view"
+
+
+@pytest.mark.end_to_end
+def test_a_record_that_cannot_be_written_is_told_of_and_does_not_stop_the_watch(tmp_path: Path) -> None:
+    told: list[tuple[str, ...]] = []
+
+    class Full(RecordWriter):
+        room = False
+
+        def write(self, entry: object) -> None:
+            if not self.room:
+                raise OSError(28, "No space left on device")
+
+    with emulated_watch(lego(), 1, 1) as running:
+        record = Full(tmp_path, {}, 7.0)
+        watch = Watch(running.world, running.controller, record, alert=lambda *words: told.append(words))
+        for step in islice(watch.turns(), 5):
+            record.room = step.number >= 3
+        record.close()
+    assert told == [("the record", "lost", "no space left on device"), ("the record", "returned", "")]
+    assert watch.unrecorded == 3
+    assert watch.summary()["steps"] == 5
+
+
+@pytest.mark.example
+def test_state_of_a_site(tmp_path: Path) -> None:
+    mine, theirs = WatchState(lego(), tmp_path), WatchState(lego(), tmp_path)
+    assert mine.held() == frozenset()
+    theirs.hold("south")
+    theirs.hold("north-east")
+    assert mine.held() == {"south", "north-east"}
+    theirs.hold("south", hold=False)
+    assert mine.held() == {"north-east"}
+    with pytest.raises(ValueError, match=r"no camera 'west' \(there are: south, north-west, north-east\)"):
+        mine.hold("west")
+    (tmp_path / "held.json").write_text("{ torn")
+    assert mine.held() == {"north-east"}  # what is not known has not changed
+    (tmp_path / "held.json").write_text(json.dumps(["north-east", "elsewhere"]))
+    assert mine.held() == {"north-east"}
+    with (
+        mine.locked(),
+        pytest.raises(AlreadyRun, match=r"run already, by process \d+; stop that one first"),
+        theirs.locked(),
+    ):
+        pass
+    with theirs.locked():
+        pass

@@ -7,11 +7,11 @@ import re
 import shlex
 import subprocess
 import sys
-import sysconfig
-import venv
 from pathlib import Path
 
 import pytest
+
+from tests.fresh_environments import fresh_environment
 
 PROJECT = Path(__file__).parents[1]
 PAGE = PROJECT / "docs" / "define-a-domain.md"
@@ -21,22 +21,17 @@ NUMBER = re.compile(r"-?\d[\d,]*\.?\d*(?:e[+-]?\d+)?")
 
 def tools(folder: Path) -> dict[str, str]:
     """A fresh environment's commands; the project and what it needs are borrowed, and nothing is downloaded."""
-    environment = folder / "environment"
-    venv.create(environment, with_pip=False)
-    python = environment / "bin" / "python"
-    purelib = sysconfig.get_path("purelib", "venv", {"base": str(environment), "platbase": str(environment)})
-    borrowed = [sysconfig.get_path("purelib"), sysconfig.get_path("platlib"), str(PROJECT)]
-    (Path(purelib) / "borrowed.pth").write_text("\n".join(dict.fromkeys(borrowed)) + "\n", encoding="utf-8")
+    python = fresh_environment(folder / "environment")
     scripts = {
         "factored-pomdp": f"#!{python}\nfrom factored_pomdp.commands import main\nmain()\n",
         "pip": f'#!/bin/sh\nexec {sys.executable} -m pip --python {python} "$@"\n',
     }
     for name, text in scripts.items():
-        path = environment / "bin" / name
+        path = python.parent / name
         path.write_text(text, encoding="utf-8")
         path.chmod(0o755)
     offline = {"PIP_NO_INDEX": "1", "PIP_NO_DEPS": "1", "PIP_NO_BUILD_ISOLATION": "0", "PIP_QUIET": "1"}
-    return {**os.environ, **offline, "PATH": f"{environment / 'bin'}{os.pathsep}{os.environ['PATH']}"}
+    return {**os.environ, **offline, "PATH": f"{python.parent}{os.pathsep}{os.environ['PATH']}"}
 
 
 def alike(shown: str, found: str) -> bool:

@@ -6,16 +6,13 @@ import json
 import os
 import subprocess
 import sys
-import sysconfig
-import venv
 from pathlib import Path
 
 import pytest
 
 from factored_pomdp.commands import main
 from factored_pomdp.scaffold import new_distribution, wrong_with
-
-PROJECT = Path(__file__).parents[2]
+from tests.fresh_environments import fresh_environment
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict]:
@@ -34,12 +31,7 @@ def test_it_installs_tests_itself_and_is_listed(capsys: pytest.CaptureFixture[st
     assert {str(Path(file).relative_to(folder)) for file in answer["files"]} == written
     assert not [path for path in tmp_path.iterdir() if path != folder]
 
-    environment = tmp_path / "environment"
-    venv.create(environment, with_pip=False)
-    python = environment / ("Scripts" if os.name == "nt" else "bin") / "python"
-    purelib = sysconfig.get_path("purelib", "venv", {"base": str(environment), "platbase": str(environment)})
-    borrowed = [sysconfig.get_path("purelib"), sysconfig.get_path("platlib"), str(PROJECT)]
-    (Path(purelib) / "borrowed.pth").write_text("\n".join(dict.fromkeys(borrowed)) + "\n", encoding="utf-8")
+    python = fresh_environment(tmp_path / "environment")
     pip = [sys.executable, "-m", "pip", "--python", str(python), "install", "--quiet", "--disable-pip-version-check"]
     called([*pip, "--no-deps", "--no-index", "--no-build-isolation", "-e", str(folder)], tmp_path)
     assert "2 passed" in called([str(python), "-m", "pytest", "-q", "-p", "no:cacheprovider"], folder)

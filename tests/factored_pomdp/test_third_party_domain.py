@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import subprocess
 import sys
-import sysconfig
 import tomllib
-import venv
 import zipfile
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from tests.fresh_environments import fresh_environment
 
 pytestmark = pytest.mark.end_to_end
 
@@ -50,12 +49,7 @@ def section(group: str, points: dict[str, str]) -> list[str]:
 def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A fresh environment's Python, with both plugins installed; the project and what it needs are borrowed."""
     folder = tmp_path_factory.mktemp("third_party")
-    environment = folder / "environment"
-    venv.create(environment, with_pip=False, symlinks=os.name != "nt")
-    fresh = environment / ("Scripts" if os.name == "nt" else "bin") / "python"
-    purelib = sysconfig.get_path("purelib", "venv", {"base": str(environment), "platbase": str(environment)})
-    borrowed = [sysconfig.get_path("purelib"), sysconfig.get_path("platlib"), str(PROJECT)]
-    (Path(purelib) / "borrowed.pth").write_text("\n".join(dict.fromkeys(borrowed)) + "\n", encoding="utf-8")
+    fresh = fresh_environment(folder / "environment")
     if shutil.which(sys.executable) is None or not has_pip():
         pytest.skip("this Python has no pip to install the plugins with")
     wheels = [packed(THIRD_PARTY / name, folder) for name in ("weather_domain", "broken_domain")]

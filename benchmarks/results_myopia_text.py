@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, get_type_hints
 
 from results_text import fill
 
@@ -61,9 +61,8 @@ def _rows(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def _typed(kind: type[PriceRun] | type[HallRun], row: dict[str, str]) -> list[object]:
-    kinds = {"int": int, "float": float, "str": str}
-    return [kinds[str(kind.__annotations__[name])](row[name]) for name in kind._fields]
+def _typed(kind: type[PriceRun] | type[HallRun], row: dict[str, str]) -> list[Any]:
+    return [read(row[name]) for name, read in get_type_hints(kind).items()]
 
 
 def _exact(runs: list[PriceRun]) -> list[str]:

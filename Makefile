@@ -43,6 +43,7 @@ bench: .venv/.installed-bench ## measure speed, against the rivals too
 
 results: .venv/.installed-core ## make docs/results.md anew
 	$(BIN)/python benchmarks/results.py
+	$(BIN)/python benchmarks/results_myopia.py
 
 notebook: .venv/.installed-notebooks ## open the notebooks
 	$(BIN)/jupyter notebook --notebook-dir=notebooks

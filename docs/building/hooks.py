@@ -29,6 +29,7 @@ GENERATORS: dict[str, Callable[..., str]] = {
 }
 
 _WANTED = re.compile(r"^<!-- generate: (\S+) ?(.*?) ?-->$", re.MULTILINE)
+_CODE_OF_FILE = re.compile(r"(?<=<code>)[\w/.-]+\.py::?[\w.]+(?=</code>)")
 _outside: list[OutsidePage] = []
 
 
@@ -52,8 +53,9 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 
 def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Set formulas, and mark the paragraphs that name tests."""
-    return with_mathml(html.replace("<p>Checked by", '<p class="checked">Checked by'))
+    """Set formulas, mark the paragraphs that name tests, and let long names of code break at their joints."""
+    marked = html.replace("<p>Checked by", '<p class="checked">Checked by')
+    return with_mathml(_CODE_OF_FILE.sub(lambda found: re.sub(r"([/_:])(?=\w)", r"\1<wbr>", found[0]), marked))
 
 
 def _generated(what: str, words: list[str], address: str) -> str:

@@ -8,7 +8,7 @@ from factored_pomdp.registry import domain, solvers
 
 __all__ = ["solver_abilities", "solver_list"]
 
-_HUGE = re.compile(r"\d{1,3}(,\d{3}){4,}")
+_HUGE = re.compile(r"\d{1,3}(,\d{3}){4,}|\d(\.\d+)?e\+\d+")
 
 
 def solver_list() -> str:

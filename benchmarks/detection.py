@@ -68,7 +68,7 @@ class Tally:
         }
 
 
-def detection(quick: bool, seed: int, site: str = "lego", pictures: int = 400) -> Report:
+def detection(quick: bool, seed: int, site: str = "lego", pictures: int = 200) -> Report:
     """One marker in plain view at random headings, by distance and camera height; then all robots of a site.
 
     On the site, robots stand at random places, a quarter of a metre apart; those count whose cell is in the camera's

@@ -20,6 +20,8 @@ MARKER = "marker"
 """The kind of these detections."""
 
 _LEAST_SIDE_PX = 8.0
+_SAMPLES = 12
+"""Across a square of the pattern, when it is read: with OpenCV's own 4 small flat markers are misread now and then."""
 
 
 class MarkerDetector:
@@ -41,6 +43,7 @@ class MarkerDetector:
         settings = aruco.DetectorParameters()
         settings.minMarkerPerimeterRate = 4 * _LEAST_SIDE_PX / max(picture.shape[:2])
         settings.cornerRefinementMethod = aruco.CORNER_REFINE_SUBPIX
+        settings.perspectiveRemovePixelPerCell = _SAMPLES
         found = aruco.ArucoDetector(self._dictionary, settings).detectMarkersWithConfidence(picture)
         corners, numbers, confidences, _ = found
         if numbers is None:

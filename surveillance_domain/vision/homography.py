@@ -11,7 +11,7 @@ from jaxtyping import Float
 from surveillance_domain.site.camera import Camera
 from surveillance_domain.vision.ground import Ground
 from surveillance_domain.vision.opencv import opencv
-from surveillance_domain.vision.points import FloorPoint, PointResidual, judged, residuals, root_mean_square
+from surveillance_domain.vision.points import FloorPoint, PointFit, judged, residuals
 
 __all__ = ["CalibrationError", "HomographyFit", "LEAST_POINTS", "fit_homography"]
 
@@ -27,7 +27,7 @@ class CalibrationError(ValueError):
 
 
 @dataclass(frozen=True, eq=False)
-class HomographyFit:
+class HomographyFit(PointFit):
     """A preset's way from picture to floor.
 
     Attributes
@@ -35,28 +35,15 @@ class HomographyFit:
     preset : str
     ground : Ground
         Its ``to_floor`` is the homography.
-    points : tuple of PointResidual
-        All that were given; those that do not fit are not counted in.
     """
 
     preset: str
     ground: Ground
-    points: tuple[PointResidual, ...]
 
     @property
     def checked(self) -> bool:
         """Whether there are more points than determine it, so that the residuals say something."""
         return sum(one.fits for one in self.points) > LEAST_POINTS
-
-    @property
-    def residual_px(self) -> float:
-        """Root mean square over the points that fit."""
-        return root_mean_square([one.pixels for one in self.points if one.fits])
-
-    @property
-    def residual_m(self) -> float:
-        """Root mean square over the points that fit, in metres."""
-        return root_mean_square([one.metres for one in self.points if one.fits])
 
 
 def fit_homography(camera: Camera, preset: str, points: Sequence[FloorPoint]) -> HomographyFit:
@@ -86,7 +73,7 @@ def fit_homography(camera: Camera, preset: str, points: Sequence[FloorPoint]) ->
         to_picture, _ = cv2.findHomography(floor[fits], pixels[fits], 0)
     to_floor = _seeing(np.linalg.inv(to_picture), pixels[fits])
     ground = Ground(to_floor, position, (camera.image.width, camera.image.height), calibrated=True)
-    return HomographyFit(preset, ground, judged(residuals(mine, {preset: ground}), fits))
+    return HomographyFit(judged(residuals(mine, {preset: ground}), fits), preset, ground)
 
 
 def _on_floor(points: Sequence[FloorPoint], position_m: Float[np.ndarray, "3"]) -> Float[np.ndarray, "points 2"]:

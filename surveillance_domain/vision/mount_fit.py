@@ -18,7 +18,7 @@ from surveillance_domain.model.pinhole import pinhole
 from surveillance_domain.site.camera import Camera, Preset
 from surveillance_domain.vision.ground import ground
 from surveillance_domain.vision.homography import CalibrationError
-from surveillance_domain.vision.points import FloorPoint, PointResidual, judged, residuals, root_mean_square
+from surveillance_domain.vision.points import FloorPoint, PointFit, PointResidual, judged, residuals
 
 __all__ = ["MountFit", "fit_mount"]
 
@@ -32,15 +32,13 @@ _SIGMAS = np.array([90.0, 5.0, 5.0, 0.1, 0.3, 0.3, 0.3])
 
 
 @dataclass(frozen=True, eq=False)
-class MountFit:
-    """What was fitted.
+class MountFit(PointFit):
+    """How a camera hangs, and how its points fit that.
 
     Attributes
     ----------
     camera : Camera
         With the fitted mount and ``zoom_hfov``, and without homographies.
-    points : tuple of PointResidual
-        After the fit; those that do not fit are not counted in.
     before : tuple of PointResidual
         The same points with the camera as the site had it.
     focal_scale : float
@@ -48,19 +46,8 @@ class MountFit:
     """
 
     camera: Camera
-    points: tuple[PointResidual, ...]
     before: tuple[PointResidual, ...]
     focal_scale: float
-
-    @property
-    def residual_px(self) -> float:
-        """Root mean square over the points that fit."""
-        return root_mean_square([one.pixels for one in self.points if one.fits])
-
-    @property
-    def residual_m(self) -> float:
-        """Root mean square over the points that fit, in metres."""
-        return root_mean_square([one.metres for one in self.points if one.fits])
 
 
 def fit_mount(camera: Camera, points: Sequence[FloorPoint], focal: bool = True, position: bool = False) -> MountFit:
@@ -104,7 +91,7 @@ def fit_mount(camera: Camera, points: Sequence[FloorPoint], focal: bool = True, 
     fits = _fitting(np.linalg.norm(rays.misses_px(change), axis=1))
     change[free] = least_squares(misses, numbers, x_scale=_SIGMAS[free], args=(fits,)).x
     made = _changed(camera, change)
-    return MountFit(made, judged(_residuals(made, points), fits), _residuals(camera, points), float(np.exp(change[3])))
+    return MountFit(judged(_residuals(made, points), fits), made, _residuals(camera, points), float(np.exp(change[3])))
 
 
 class _Rays:

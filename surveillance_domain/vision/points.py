@@ -11,7 +11,16 @@ from jaxtyping import Bool
 from surveillance_domain.vision.base import Detection
 from surveillance_domain.vision.ground import Ground
 
-__all__ = ["FloorMarker", "FloorPoint", "PointResidual", "marked_points", "residuals", "root_mean_square"]
+__all__ = [
+    "FloorMarker",
+    "FloorPoint",
+    "PointFit",
+    "PointResidual",
+    "judged",
+    "marked_points",
+    "residuals",
+    "root_mean_square",
+]
 
 
 @dataclass(frozen=True)
@@ -75,6 +84,29 @@ class PointResidual:
     pixels: float
     metres: float
     fits: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class PointFit:
+    """What was fitted to points.
+
+    Attributes
+    ----------
+    points : tuple of PointResidual
+        All that were given; those that do not fit are not counted in.
+    """
+
+    points: tuple[PointResidual, ...]
+
+    @property
+    def residual_px(self) -> float:
+        """Root mean square over the points that fit, in pixels."""
+        return root_mean_square([one.pixels for one in self.points if one.fits])
+
+    @property
+    def residual_m(self) -> float:
+        """Root mean square over the points that fit, in metres."""
+        return root_mean_square([one.metres for one in self.points if one.fits])
 
 
 def marked_points(

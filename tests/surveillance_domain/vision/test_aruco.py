@@ -16,6 +16,7 @@ from surveillance_domain.site.load import load_site
 from surveillance_domain.site.sections import Markers
 from surveillance_domain.vision.aruco import MarkerDetector
 from surveillance_domain.vision.ground import ground
+from surveillance_domain.vision.marker_size import LEAST_SIDE_PX, marker_sides_px
 from surveillance_domain.vision.observe import located
 from tests.pictured_targets import pixels_of, seen_whole, watched
 
@@ -77,6 +78,16 @@ def test_a_marker_that_the_edge_cuts_is_not_found() -> None:
     assert MarkerDetector(MARKERS).detect(picture) == ()
 
 
+@pytest.mark.example
+def test_a_flat_marker_of_27_pixels_is_read_whatever_the_noise() -> None:
+    camera = LEGO.cameras[1]
+    view = pinhole(camera, 40.0, -40.0, 1.0)
+    (place,) = view.on_plane(np.array([[70.4, 92.16]]))
+    assert marker_sides_px(view, MARKERS, place[None, :])[0] == pytest.approx(26.7, abs=0.1)
+    found = [MarkerDetector(MARKERS).detect(pixels_of(LEGO, view, [place], [5.21875])) for _ in range(20)]
+    assert [[one.identity for one in each] for each in found] == [[0]] * 20
+
+
 @pytest.mark.property
 @settings(max_examples=40)
 @given(
@@ -94,6 +105,7 @@ def test_a_marker_in_view_is_found_where_it_is(
     view = pinhole(camera, at.pan, at.tilt, zoom)
     (place,) = view.on_plane(np.array([[across * view.width, down * view.height]]))
     assume(seen_whole(view, place, 0.142, (0.0, 0.1)))
+    assume(marker_sides_px(view, MARKERS, place[None, :])[0] >= LEAST_SIDE_PX)
     picture = pixels_of(LEGO, view, [place], [heading])
     found = MarkerDetector(LEGO.markers or MARKERS).detect(picture)
     here = ground(camera, Position(at.pan, at.tilt, zoom), (view.width, view.height))

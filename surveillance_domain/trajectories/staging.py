@@ -67,7 +67,7 @@ class Stage:
     moved_out_of_walls: int = 0
 
     def window(self, start: int, steps: int) -> Stage:
-        """A piece of ``steps`` steps from time ``start``, with those alone who are on the map after one of its steps."""
+        """A piece of ``steps`` steps from time ``start``, with only those who are on the map after one of its steps."""
         path = self.path_m[start : start + steps + 1]
         there = np.isfinite(path[1:, :, 0]).any(axis=0)
         names = tuple(name for name, is_there in zip(self.people, there, strict=True) if is_there)

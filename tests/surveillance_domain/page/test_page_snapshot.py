@@ -109,17 +109,16 @@ def test_without_a_truth_there_is_no_percent_obs_and_nobody_on_the_map(running: 
 def test_strangers_are_called_as_they_are_seen() -> None:
     with emulated_watch(lego(), 2, seed=5, strangers=1) as running:
         surveillance = model(running, targets=2)
-        found = [
-            snapshot_of(step, running.watch, surveillance, lambda: running.emulation.truth)
-            for step in islice(running.watch.turns(), 30)
-        ]
-    assert found[0].truth_m is not None
-    assert list(found[0].truth_m) == ["red", "blue", "marker 2"]
-    started = [snapshot for snapshot in found if "marker 2" in snapshot.targets]
-    assert started
-    assert "marker 2" in started[0].seen_at
-    assert started[0].belief is not None
-    assert started[0].belief.shape == (3, 80)
+        for step in islice(running.watch.turns(), 40):
+            snapshot = snapshot_of(step, running.watch, surveillance, lambda: running.emulation.truth)
+            if "marker 2" in snapshot.targets:
+                break
+    assert snapshot.truth_m is not None
+    assert list(snapshot.truth_m) == ["red", "blue", "marker 2"]
+    assert snapshot.targets == ("red", "blue", "marker 2")
+    assert "marker 2" in snapshot.seen_at
+    assert snapshot.belief is not None
+    assert snapshot.belief.shape == (3, 80)
 
 
 @pytest.mark.example

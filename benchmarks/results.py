@@ -16,7 +16,7 @@ from pathlib import Path
 
 from results_figures import draw_figures
 from results_myopia_text import section
-from results_table import RUNS, SIMULATED, Key, Results
+from results_table import RUNS, SIMULATED, Key, Results, write_text
 from results_text import page
 
 from surveillance_domain.commands.options import processors
@@ -57,7 +57,7 @@ def main() -> None:
     arguments = [one for one in sys.argv[1:] if one != "--text-only"]
     command = shlex.join(["python", "benchmarks/results.py", *arguments])
     last = section(figures)
-    _write_text(given.out / "results.md", page(results, command) + (f"\n{last}" if last else ""))
+    write_text(given.out / "results.md", page(results, command) + (f"\n{last}" if last else ""))
     print(f"Written: {given.out / 'results.md'} and the figures in {figures}")
 
 
@@ -111,12 +111,6 @@ def _write_csv(path: Path, rows: Iterable[tuple[Key, float, int]]) -> None:
         writer.writerow([*Key._fields, "percent", "restarts"])
         for key, percent, restarts in rows:
             writer.writerow([*key, f"{percent:.6g}", restarts])
-    os.replace(beside, path)
-
-
-def _write_text(path: Path, text: str) -> None:
-    beside = path.with_name(f".{path.name}")
-    beside.write_text(text, encoding="utf-8")
     os.replace(beside, path)
 
 

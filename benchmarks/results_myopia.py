@@ -14,7 +14,6 @@ from __future__ import annotations
 import argparse
 import csv
 import io
-import os
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -22,6 +21,7 @@ from typing import Any
 
 import numpy as np
 from results_myopia_text import HEADING, LOOKAHEAD, PRICE, HallRun, PriceRun, section
+from results_table import write_text
 
 import factored_pomdp as fp
 from solvers import DecomposedMyopic, Limits, PointBased
@@ -60,7 +60,7 @@ def main() -> None:
     if text:
         page = given.out / "results.md"
         before = page.read_text(encoding="utf-8").partition(f"\n{HEADING}")[0] if page.exists() else "# Results"
-        _replace(page, f"{before.rstrip()}\n\n{text}")
+        write_text(page, f"{before.rstrip()}\n\n{text}")
         print(f"Written: the section in {page}", file=sys.stderr)
 
 
@@ -129,13 +129,7 @@ def _write_csv(path: Path, heads: Iterable[str], rows: Iterable[tuple[object, ..
     writer.writerow(heads)
     for row in rows:
         writer.writerow([f"{value:.8g}" if isinstance(value, float) else value for value in row])
-    _replace(path, text.getvalue())
-
-
-def _replace(path: Path, text: str) -> None:
-    beside = path.with_name(f".{path.name}")
-    beside.write_text(text, encoding="utf-8")
-    os.replace(beside, path)
+    write_text(path, text.getvalue())
 
 
 if __name__ == "__main__":

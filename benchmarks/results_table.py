@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -95,3 +96,10 @@ class Results:
         """Beliefs of P started anew in a thousand target-steps."""
         case = ("percent-obs", truth, site, targets, "pomdp", "")
         return 1000 * self.restarts[case] / (len(self.percent[case]) * self.steps * targets)
+
+
+def write_text(path: Path, text: str) -> None:
+    """A file that is there in full or not at all."""
+    beside = path.with_name(f".{path.name}")
+    beside.write_text(text, encoding="utf-8")
+    os.replace(beside, path)

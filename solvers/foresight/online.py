@@ -29,21 +29,7 @@ __all__ = ["Online", "can_look_ahead"]
 class Online(ABC):
     """Compares a few first actions by simulation.
 
-    Parameters
-    ----------
-    model : FactoredPOMDP
-    steps : int
-        Steps that count, the next one included; with 1 the choice is the myopic one.
-    scenarios : int
-        Simulated worlds for each first action, at most.
-    actions : int
-        First actions that are compared, at most (`solvers.foresight.first_actions`).
-    margin : float
-        By how many standard errors another action must lead the myopic one.
-    keep : mapping, optional
-        Action variables to known variables whose present value the myopic policy keeps where that costs nothing.
-    rng : Generator, optional
-        Of the simulated worlds; one of seed 0 if left out.
+    Subclasses say what their parameters mean; ``scenarios`` are simulated worlds for each first action.
     """
 
     def __init__(

@@ -170,6 +170,7 @@ def test_every_notebook_is_a_page(site: Path) -> None:
     names = [path.stem for path in PROJECT.glob("notebooks/*.ipynb")]
     assert names
     assert [name for name in names if not (site / "notebooks" / f"{name}.html").exists()] == []
+    assert "Is it true that it decomposes?" in page(site, "notebooks/01_define_a_domain.html").text  # its neighbour
 
 
 @pytest.mark.example

@@ -41,8 +41,8 @@ class OutsidePage:
 
     @property
     def title(self) -> str:
-        """The first heading."""
-        found = re.search(r"^# (.+)$", self.markdown, re.MULTILINE)
+        """The first heading, comments in code left out."""
+        found = re.search(r"^# (.+)$", _FENCE.sub("", self.markdown), re.MULTILINE)
         return found[1] if found else self.origin.stem
 
     def files(self, config: MkDocsConfig) -> list[File]:

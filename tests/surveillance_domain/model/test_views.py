@@ -233,11 +233,10 @@ def test_the_hall_is_symmetric_under_half_a_turn() -> None:
 
 @pytest.mark.example
 def test_equal_coverage_keeps_most_cameras_where_they_start() -> None:
-    """Presets (0, 1), (1, 0) and (1, 1) all see two cells; the first is not the first in order that moves one camera."""
-    first, second = np.eye(3)[[0, 1]], np.eye(3)[[0, 2]]
-    assert best_joint_coverage(Views((first, second), (0.0, 0.0))) == ((0, 1), "the best")
-    third = np.eye(3)[[0, 0, 1]]
-    assert best_joint_coverage(Views((np.eye(3)[[0, 2]], third, third), (0.0,) * 3)) == ((1, 0, 2), "the best")
+    """Presets (0, 1, 1) and (1, 0, 0) both see all three cells; the second, later in order, moves one camera only."""
+    one, two, three = np.eye(3)
+    turning = (np.array([one, two + three]), np.array([one, two]), np.array([one, three]))
+    assert best_joint_coverage(Views(turning, (0.0,) * 3)) == ((1, 0, 0), "the best")
 
 
 @pytest.mark.example

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -53,6 +54,7 @@ class Online(ABC):
         self.base = DecomposedMyopic(model)
         self._rng = rng if rng is not None else np.random.default_rng(0)
         self._simulated = Scenarios(self.base, keep or {})
+        self._names = [variable.name for variable in model.states]
 
     @classmethod
     @abstractmethod
@@ -70,13 +72,13 @@ class Online(ABC):
     def decide(self, belief: ProductBelief) -> Decision:
         """The myopic action, or one that proved better in simulation; the value is that of all the steps.
 
-        Where a known value could not be read, nothing is simulated and the myopic choice for one step is given.
+        Where a known value could not be read, or blocks were added to the model's or taken away, nothing is simulated
+        and the myopic choice for one step is given.
         """
-        unread = sorted(name for name, value in belief.known.items() if value is None)
-        if self.steps == 1 or unread:
+        hindrance = self._hindrance(belief)
+        if self.steps == 1 or hindrance:
             base = self.base.decide(belief, self._simulated.preferred(belief))
-            told = f"{base.method}, one step ahead: {unread[0]} was not read back" if unread else base.method
-            return Decision(base.action, base.value, base.upper_bound, told)
+            return replace(base, method=f"{base.method}, one step ahead: {hindrance}") if hindrance else base
         found = self.compared(belief)
         chosen = found.better_than_base(self.margin)
         method = f"{self._described(found)}, standard error {found.error(chosen):.3g}; not proved"
@@ -91,6 +93,14 @@ class Online(ABC):
         """Which first actions are compared, the myopic one first."""
         base = self.base.decide(belief, self._simulated.preferred(belief))
         return first_actions(self.base, belief, base, self.actions)
+
+    def _hindrance(self, belief: ProductBelief) -> str:
+        """Why nothing can be simulated from a belief; empty where something can."""
+        unread = sorted(name for name, value in belief.known.items() if value is None)
+        if unread:
+            return f"{unread[0]} was not read back"
+        changed = belief.roster.places.keys() ^ (set(self._names) - belief.known.keys())
+        return f"{min(changed)} is in the belief or in the model, but not in both" if changed else ""
 
     @abstractmethod
     def _described(self, found: Returns) -> str:

@@ -166,6 +166,17 @@ def test_where_a_known_value_was_not_read_it_looks_one_step_ahead() -> None:
 
 
 @pytest.mark.example
+def test_where_blocks_came_or_went_it_looks_one_step_ahead() -> None:
+    model = fp.domain("machine-repair", machines=3)
+    solver = Lookahead(model)
+    belief = fp.initial_belief(model)
+    gone = belief.blocks[1][0]
+    decision = solver.decide(belief.without_block(gone))
+    assert f"{gone} is in the belief or in the model, but not in both" in decision.method
+    assert decision.action == DecomposedMyopic(model).decide(belief.without_block(gone)).action
+
+
+@pytest.mark.example
 def test_returns_end_with_the_episode() -> None:
     """Leaving pays 10 and ends it; staying pays 1 a step. After leaving nothing more is earned."""
     place, go, sound = (

@@ -81,7 +81,7 @@ $(BIN)/pip:
 	    else echo "$(PYTHON) cannot make virtual environments. On Debian and Ubuntu: sudo apt-get install python3-venv" >&2; exit 2; fi; }
 	@$(PYTHON) -m venv .venv
 
-browser: # the tests of the live page want one; without it they are skipped
+browser: ## chromium for the tests of the live page, from Debian; without it they are skipped
 	@command -v chromium > /dev/null && command -v chromedriver > /dev/null || { \
 	    echo "The tests of the live page need chromium and chromedriver." >&2; \
 	    if [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null; then \

@@ -1,6 +1,6 @@
 """Which first actions are worth a longer look: the base policy's own, its neighbours, and the next best for one step.
 
-The base action comes first; then the legal actions that differ from it in one action variable (one camera turned
+The base action comes first; then the legal actions that differ from it in one action variable (one valve turned
 elsewhere, one machine more repaired), best first by the reward of the next step; then all others, in that order too,
 where the joint actions can be listed.
 """

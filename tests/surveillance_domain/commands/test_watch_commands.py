@@ -1,0 +1,289 @@
+"""A guard's night at the command line: run, hold, park, doctor, report, replay-run."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("cv2")
+
+from surveillance_domain.cameras.clock import RealClock
+from surveillance_domain.control.record import read_record
+from surveillance_domain.emulation.site import PASSWORD, USERNAME, EmulatedSite
+from surveillance_domain.site.load import load_site
+
+COMMAND = (sys.executable, "-c", "from surveillance_domain.commands import main; main()")
+FAST = ("--emulated", "--fast", "--no-pictures")
+
+
+@pytest.fixture(autouse=True)
+def state(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+    monkeypatch.setenv("CAM_PASSWORD", PASSWORD)
+
+
+@dataclass
+class Real:
+    """Cameras on loopback, and the site file that leads to them."""
+
+    path: Path
+    emulation: EmulatedSite
+
+    def pans(self) -> dict[str, float]:
+        return {name: camera.motors.true()[0] for name, camera in self.emulation.cameras.items()}
+
+    def turn(self, pan: float) -> None:
+        for camera in self.emulation.cameras.values():
+            camera.motors.command({"pan": str(pan)})
+
+
+@pytest.fixture
+def real(tmp_path: Path) -> Iterator[Real]:
+    text = (resources.files("surveillance_domain.site") / "builtin" / "tiny.toml").read_text(encoding="utf-8")
+    text = text.replace("width = 704, height = 576", "width = 176, height = 144")
+    text = text.replace("max_depth_m = 5.0", f'max_depth_m = 5.0\nhome = "middle"\nusername = "{USERNAME}"')
+    path = tmp_path / "site.toml"
+    path.write_text(text, encoding="utf-8")
+    with EmulatedSite(load_site(path), 1, RealClock(), np.random.default_rng(0)) as emulation:
+        for name, server in emulation.servers.items():
+            text = text.replace(
+                f'name = "{name}"', f'name = "{name}"\nurl = "{server.url}"\npassword_env = "CAM_PASSWORD"'
+            )
+        path.write_text(text, encoding="utf-8")
+        yield Real(path, emulation)
+
+
+@contextmanager
+def started(*words: object) -> Iterator[subprocess.Popen[str]]:
+    """The command as a process, which is gone at the end."""
+    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen([*COMMAND, *map(str, words)], env=os.environ, **pipes) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def until_recorded(record: Path, process: subprocess.Popen[str], steps: int) -> None:
+    """Wait for some steps of a record."""
+    for _ in range(600):
+        if any(record.glob("*.jsonl")) and sum(line["kind"] == "step" for line in read_record(record)) >= steps:
+            return
+        if process.poll() is not None:
+            pytest.fail(f"it ended: {process.communicate()}")
+        time.sleep(0.1)
+    pytest.fail("it recorded nothing")
+
+
+@pytest.mark.end_to_end
+def test_run_in_virtual_time_and_its_report(surveillance: Callable[..., Any], tmp_path: Path) -> None:
+    record, out = tmp_path / "record", tmp_path / "morning"
+    words = (
+        "run",
+        "lego",
+        *FAST,
+        "--targets",
+        2,
+        "--strangers",
+        1,
+        "--steps",
+        12,
+        "--record",
+        record,
+        "--park",
+        "--json",
+    )
+    found = surveillance(*words).json
+    assert found["steps"] == 12
+    assert 0 <= found["percent_obs"]["mean"] <= 100
+    assert {camera["name"]: camera["state"] for camera in found["cameras"]} == dict.fromkeys(found["parked"], "ready")
+    assert set(found["parked"].values()) == {'at "middle"'}
+    told = surveillance("report", record, "--step", 12, "--out", out, "--json").json
+    assert (told["steps"], told["outages"], told["held"]) == (12, [], [])
+    assert told["percent_obs"] == pytest.approx(found["percent_obs"]["mean"])
+    assert told["seen"] == pytest.approx(found["seen"])
+    assert 0.3 < told["coverage"] < 1
+    why = told["why"]
+    assert why["recomputed_value"] == pytest.approx(why["value"], abs=1e-9)
+    assert why["exact"] is True
+    assert len(why["alternatives"]) == 5
+    values = [one["value"] for one in why["alternatives"]]
+    assert values == sorted(values, reverse=True)
+    assert max(values) <= why["value"] + 1e-9
+    assert {path.name for path in out.iterdir()} == {"report.html", "report.txt", "night.png", "night.svg"}
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "The best alternatives" in page
+    assert re.findall(r'(?:src|href)="([^"]*)"', page) == ["night.svg"]  # nothing from elsewhere
+    assert "Outages: none" in (out / "report.txt").read_text(encoding="utf-8")
+    shown = surveillance("report", record).out
+    assert "PercentObs" in shown
+    wrong = surveillance("report", record, "--step", 13)
+    assert (wrong.code, "no such step (12 are there)" in wrong.err) == (2, True)
+
+
+@pytest.mark.end_to_end
+def test_a_recorded_run_is_shown_again(surveillance: Callable[..., Any], tmp_path: Path) -> None:
+    from PIL import Image
+
+    record, out = tmp_path / "record", tmp_path / "run.gif"
+    surveillance("run", "lego", *FAST, "--targets", 2, "--steps", 6, "--record", record)
+    shown = surveillance("replay-run", record, "--first", 3, "--last", 5, "--out", out)
+    lines = [line for line in shown.out.splitlines() if " s  " in line]
+    assert [int(line.split()[0]) for line in lines] == [3, 4, 5]
+    assert "south" in lines[0]
+    with Image.open(out) as picture:
+        assert picture.n_frames == 3
+    assert surveillance("replay-run", record, "--json").json["steps"] == 6
+    for words, message in (
+        (("--first", 7), "no step 7 or later"),
+        (("--out", "run.mp4"), "expected the name of a .gif file"),
+        (("--first", 5, "--last", 4), "expected a first step up to the last"),
+    ):
+        wrong = surveillance("replay-run", record, *words)
+        assert (wrong.code, message in wrong.err) == (2, True)
+
+
+@pytest.mark.end_to_end
+def test_one_runs_others_are_refused_and_sigterm_parks_who_is_free(
+    surveillance: Callable[..., Any], real: Real, tmp_path: Path
+) -> None:
+    record = tmp_path / "record"
+    with started("run", real.path, "--record", record, "--json") as process:
+        until_recorded(record, process, 1)
+        for words in (("run", real.path, "--steps", 1), ("doctor", real.path)):
+            refused = surveillance(*words)
+            assert refused.code == 2
+            assert f"is being run already, by process {process.pid}; stop that one first" in refused.err
+        assert surveillance("hold", real.path, "north-east", "--json").json["held"] == ["north-east"]
+        done = sum(line["kind"] == "step" for line in read_record(record))
+        until_recorded(record, process, done + 3)
+        process.send_signal(signal.SIGTERM)
+        out, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    found = json.loads(out)
+    assert found["parked"]["south-west"] == 'at "middle"'
+    assert found["parked"]["north-east"] == "left alone: held"
+    assert found["percent_obs"] is None
+    assert real.pans()["south-west"] == pytest.approx(0.0)
+    steps = [line for line in read_record(record) if line["kind"] == "step"]
+    assert [line["step"] for line in steps] == list(range(1, found["steps"] + 1))
+    assert steps[-1]["held"] == ["north-east"]
+    assert steps[-1]["cameras"]["north-east"]["sent"] is None
+    text = "".join(path.read_text() for path in record.iterdir())
+    assert PASSWORD not in text.replace('"emulated": false', "")
+
+
+@pytest.mark.end_to_end
+def test_after_a_kill_the_cameras_can_be_parked(surveillance: Callable[..., Any], real: Real, tmp_path: Path) -> None:
+    record = tmp_path / "record"
+    with started("run", real.path, "--record", record) as process:
+        until_recorded(record, process, 1)
+    real.turn(25.0)
+    surveillance("hold", real.path, "south-west")
+    parked = surveillance("park", real.path, "--json")
+    assert parked.code == 0
+    assert [(one["ok"], one["outcome"]) for one in parked.json["cameras"]] == [
+        (True, "left alone: held"),
+        (True, 'at "middle"'),
+    ]
+    assert real.pans() == {"south-west": pytest.approx(25.0), "north-east": pytest.approx(0.0)}
+    assert surveillance("hold", real.path, "south-west", "--release", "--json").json["held"] == []
+    real.emulation.cameras["south-west"].faults.wrong_password = True
+    parked = surveillance("park", real.path, "--json")
+    assert parked.code == 1
+    assert "password" in parked.json["cameras"][0]["outcome"]
+
+
+@pytest.mark.end_to_end
+def test_ctrl_c_ends_a_shadow_after_the_step(real: Real, tmp_path: Path) -> None:
+    record, before = tmp_path / "record", real.pans()
+    commands: list[Any] = []
+    for camera in real.emulation.cameras.values():
+        camera.motors.command = commands.append  # type: ignore[method-assign]
+    with started("run", real.path, "--shadow", "--record", record, "--json") as process:
+        until_recorded(record, process, 2)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    steps = [line["step"] for line in read_record(record) if line["kind"] == "step"]
+    assert steps == list(range(1, json.loads(out)["steps"] + 1))
+    assert commands == []
+    assert real.pans() == before
+
+
+@pytest.mark.end_to_end
+def test_doctor_at_the_command_line(surveillance: Callable[..., Any], real: Real) -> None:
+    found = surveillance("doctor", real.path, "--no-move", "--json")
+    assert found.code == 0
+    assert [camera["name"] for camera in found.json["cameras"]] == ["south-west", "north-east"]
+    assert all(set(check) == {"name", "ok", "detail"} for camera in found.json["cameras"] for check in camera["checks"])
+    assert "move" not in {check["name"] for check in found.json["cameras"][0]["checks"]}
+    real.emulation.cameras["north-east"].faults.wrong_password = True
+    ill = surveillance("doctor", real.path, "--no-move")
+    assert ill.code == 1
+    assert "WRONG" in ill.out
+    assert "refuses user 'operator'" in ill.out
+
+
+@pytest.mark.end_to_end
+def test_until_a_time_of_day(surveillance: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    from surveillance_domain.commands import run as module
+
+    class Clock(datetime):
+        calls = 0
+
+        @classmethod
+        def now(cls, tz: Any = None) -> datetime:
+            cls.calls += 1
+            return datetime(2026, 1, 1, 5, 59) + timedelta(seconds=20 * max(0, cls.calls - 1))
+
+    monkeypatch.setattr(module, "datetime", Clock)
+    found = surveillance("run", "tiny", *FAST, "--until", "06:00", "--json").json
+    assert found["steps"] == 3  # 20, 40, 60 seconds later
+
+
+@pytest.mark.end_to_end
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("run", "lego", "--fast"), "--fast: for emulated cameras only; add --emulated"),
+        (("run", "lego", "--strangers", 1), "--strangers: for emulated cameras only"),
+        (("run", "lego", *FAST, "--shadow", "--park"), "--shadow never moves a camera"),
+        (("run", "lego", *FAST, "--until", "6"), "expected a time of day such as 06:00"),
+        (("run", "lego", "--steps", 1), "south: no url; give the camera's address"),
+        (("hold", "lego", "sout"), "no camera 'sout' (did you mean 'south'?)"),
+        (("park", "lego"), "north-east: no url"),
+        (("report", "nowhere"), "nowhere: no record here"),
+        (("replay-run", "nowhere"), "nowhere: no record here"),
+    ],
+)
+def test_wrong_input_is_one_message(surveillance: Callable[..., Any], words: tuple[object, ...], message: str) -> None:
+    found = surveillance(*words)
+    assert found.code == 2
+    assert message in found.err
+    assert "Traceback" not in found.err
+
+
+@pytest.mark.end_to_end
+def test_an_alert_command_that_is_none_is_refused(surveillance: Callable[..., Any], tmp_path: Path) -> None:
+    text = (resources.files("surveillance_domain.site") / "builtin" / "tiny.toml").read_text(encoding="utf-8")
+    path = tmp_path / "site.toml"
+    path.write_text(text + '\n[operation]\nalert_command = "say \'lost"\n', encoding="utf-8")
+    found = surveillance("run", path, *FAST, "--steps", 1)
+    assert found.code == 2
+    assert "operation.alert_command: found say 'lost, which is no command" in found.err

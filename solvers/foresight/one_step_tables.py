@@ -81,7 +81,7 @@ class OneStepTables:
         for members, array, rewards in zip(crowd.stacks, crowd.arrays, table.rewards, strict=True):
             apart = array.reshape(len(array), crowd.scenarios, len(members))
             if len(rewards) == 1:
-                total = total + rewards[0] @ apart.sum(axis=2)
+                total = total + rewards[0] @ (apart @ np.ones(len(members)))
             else:
                 for column, reward in enumerate(rewards):
                     total = total + reward @ apart[:, :, column]

@@ -26,7 +26,7 @@ from surveillance_domain.world.eyes import Eyes
 from surveillance_domain.world.network import NetworkWorld
 from tests.direct_session import direct_session
 
-__all__ = ["FAULTS", "Emulated", "campaign", "emulated_watch", "lego"]
+__all__ = ["FAULTS", "Emulated", "campaign", "emulated_watch", "lego", "model_of"]
 
 Fault = Callable[[Faults, bool], None]
 
@@ -94,7 +94,7 @@ def emulated_watch(
     clock = VirtualClock()
     for_truth, for_eyes, for_retries = np.random.default_rng(seed).spawn(3)
     with EmulatedSite(site, targets + strangers, clock, for_truth, truth="grid") as emulation:
-        surveillance = replace(_model(site, targets), site=emulation.site)
+        surveillance = replace(model_of(site, targets), site=emulation.site)
         drawn = TruthEyes(surveillance, emulation, for_eyes)
         chosen = drawn if eyes is None else eyes(emulation, drawn)
         cameras = emulation.open_cameras(for_retries) if wired else _unwired(emulation, clock, for_retries)
@@ -110,7 +110,7 @@ def emulated_watch(
 _MODELS: dict[tuple[str, tuple[str, ...], int], Surveillance] = {}
 
 
-def _model(site: Site, targets: int) -> Surveillance:
+def model_of(site: Site, targets: int) -> Surveillance:
     """The same for all runs: addresses and people's habits do not enter into it."""
     key = site.digest, tuple(camera.name for camera in site.cameras), targets
     if key not in _MODELS:

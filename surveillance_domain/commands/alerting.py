@@ -26,7 +26,7 @@ def alerter(command: str, site: str) -> Callable[[str, str, str], None]:
             f": {because}" * bool(because)
         )
         side_console().print(message, soft_wrap=True)
-        threading.Thread(target=_run, args=([*words, message],), daemon=True).start()
+        threading.Thread(target=_run, args=([*words, message],), name="alert", daemon=True).start()
 
     return tell
 

@@ -1,0 +1,47 @@
+"""``alert_command``: run when a camera is lost or returns, without a shell, and never waited for."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from surveillance_domain.commands.alerting import alerter
+
+
+def finished() -> None:
+    for thread in threading.enumerate():
+        if thread is not threading.main_thread() and thread.name.startswith("alert"):
+            thread.join(30)
+
+
+@pytest.mark.end_to_end
+def test_the_command_is_told_in_one_word_that_no_shell_reads(tmp_path: Path) -> None:
+    script, out = tmp_path / "tell.py", tmp_path / "told.txt"
+    script.write_text(f"import sys; open({str(out)!r}, 'a').write(repr(sys.argv[1:]) + chr(10))")
+    tell = alerter(f"{sys.executable} {script} --loud", "hall")
+    tell("north", "lost", "no answer; $(touch x) `y`")
+    finished()
+    tell("north", "returned", "")
+    finished()
+    assert out.read_text().splitlines() == [
+        repr(["--loud", "hall: north is lost: no answer; $(touch x) `y`"]),
+        repr(["--loud", "hall: north has returned"]),
+    ]
+
+
+@pytest.mark.end_to_end
+def test_a_command_that_fails_is_a_warning(capsys: pytest.CaptureFixture[str]) -> None:
+    alerter("no-such-command-anywhere", "hall")("north", "lost", "")
+    finished()
+    told = capsys.readouterr().err
+    assert "hall: north is lost" in told
+    assert "warning: alert_command failed" in told
+
+
+@pytest.mark.example
+def test_quotes_that_do_not_end_are_refused() -> None:
+    with pytest.raises(ValueError, match="No closing quotation"):
+        alerter("say 'lost", "hall")

@@ -52,6 +52,8 @@ class _Table:
 class OneStepTables:
     """V(B, ·) of every joint action for all beliefs of a crowd.
 
+    The table for the known values at the start is made at once, so that no decision waits for it.
+
     Parameters
     ----------
     myopic : DecomposedMyopic
@@ -64,6 +66,7 @@ class OneStepTables:
         known = structure_of(model).known
         self._read = [name for name in known if any(name in factor.names for factor in factors)]
         self._tables: dict[tuple[int, ...], _Table] = {}
+        self._table(Crowd.of(myopic.start(), 1))
 
     def values(self, crowd: Crowd) -> Float[np.ndarray, "actions scenarios"]:
         """Joint actions are numbered with the last variable changing fastest."""

@@ -42,7 +42,10 @@ def compare(
     targets: Annotated[str, typer.Option(metavar="M,M,…", help="Numbers of targets.")] = "1,5,10,20",
     controllers: Annotated[
         str,
-        typer.Option(metavar="C,C,…", help="Also mp-hold and mp-dead-reckoning: MP with targets out of sight kept."),
+        typer.Option(
+            metavar="C,C,…",
+            help="Also lookahead: P over several steps; mp-hold and mp-dead-reckoning: MP with targets out of sight kept.",
+        ),
     ] = "pomdp,mp,msp,sys,stat,full-information,clairvoyant",
     steps: Steps = 100,
     runs: Annotated[

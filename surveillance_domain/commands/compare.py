@@ -44,7 +44,7 @@ def compare(
         str,
         typer.Option(
             metavar="C,C,…",
-            help="Also lookahead: P over several steps; mp-hold and mp-dead-reckoning: MP with targets out of sight kept.",
+            help="Also lookahead: P over several steps; mp-hold, mp-dead-reckoning: MP keeping targets out of sight.",
         ),
     ] = "pomdp,mp,msp,sys,stat,full-information,clairvoyant",
     steps: Steps = 100,

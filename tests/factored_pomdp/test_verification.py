@@ -85,7 +85,7 @@ def test_no_difference_on_small_sites(site: str, targets: int, options: dict[str
 @pytest.mark.end_to_end
 @pytest.mark.timeout(1800)
 def test_no_difference_on_lego_through_the_sparse_oracle() -> None:
-    model = fp.domain("surveillance", site="lego", targets=2)
+    model = fp.domain("surveillance", site="lego", targets=2, detection_probability=1.0, cell_noise_m=0.0)
     with pytest.raises(fp.TooLarge, match="11,059,200 joint states"):
         verify(model, 1, 0, np.random.default_rng(3))
     found = verify(model, 2, 1, np.random.default_rng(3), sparse=True)

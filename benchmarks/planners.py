@@ -30,7 +30,7 @@ CASES = (
 )
 PEERS = ("ours", "pomdp-toolkit", "pomdp_py POUCT", "pomdp_py value iteration")
 _MOST_QUICK = 10.0
-_GRACE_S = 30.0
+_GRACE_S = 180.0
 
 
 def planners(

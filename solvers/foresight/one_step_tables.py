@@ -46,7 +46,7 @@ class _Table:
     """
 
     free: Float[np.ndarray, " actions"]
-    rewards: list[list[Float[np.ndarray, "actions states"]]]
+    rewards: list[list[Float[np.ndarray, "actions _"]]]
 
 
 class OneStepTables:

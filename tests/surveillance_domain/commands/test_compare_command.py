@@ -43,7 +43,15 @@ def test_rows_differences_and_files(surveillance: Callable[..., Any], tmp_path: 
     assert len(found["differences"]) == 8
     assert set(found["provenance"]["inputs"]) == {"tiny", "micro"}
     assert found["provenance"]["seed"] == 0
-    files = ["comparison.csv", "comparison.png", "comparison.svg", "differences.csv", "provenance.json", "result.json"]
+    files = [
+        "comparison.csv",
+        "comparison.png",
+        "comparison.svg",
+        "differences.csv",
+        "provenance.json",
+        "result.json",
+        "runs.jsonl",
+    ]
     assert sorted(path.name for path in tmp_path.iterdir()) == files
     with (tmp_path / "comparison.csv").open(newline="") as file:
         lines = list(csv.DictReader(file))

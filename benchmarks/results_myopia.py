@@ -47,14 +47,16 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=30, help="in the hall; in the rooms twice as many")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=processors())
-    parser.add_argument("--only", choices=("rooms", "halls"), help="measure one part, leave the other as it stands")
+    parser.add_argument(
+        "--only", choices=("rooms", "halls", "text"), help="one part, the rest as it stands in figures/"
+    )
     parser.add_argument("--out", type=Path, default=DOCS, help="folder for results.md and figures/")
     given = parser.parse_args()
     figures = given.out / "figures"
     figures.mkdir(parents=True, exist_ok=True)
-    if given.only != "halls":
+    if given.only in (None, "rooms"):
         _write_csv(figures / PRICE, PriceRun._fields, _priced(2 * given.runs, given.seed))
-    if given.only != "rooms":
+    if given.only in (None, "halls"):
         _write_csv(figures / LOOKAHEAD, HallRun._fields, _simulated(given.runs, given.seed, given.workers))
     text = section(figures)
     if text:
@@ -118,9 +120,8 @@ def _simulated(runs: int, seed: int, workers: int) -> Iterator[HallRun]:
         raise SystemExit(130)
     for case, done in outcome.runs.items():
         for number, run in sorted(done.items()):
-            times = float(np.median(run.decision_ms))
-            name = cases[case]
-            yield HallRun(name, case.setup.targets, case.controller, number, run.percent_obs, times, HALL_STEPS, seed)
+            setup = case.setup
+            yield HallRun(cases[case], setup.targets, case.controller, number, run.percent_obs, HALL_STEPS, seed)
 
 
 def _write_csv(path: Path, heads: Iterable[str], rows: Iterable[tuple[object, ...]]) -> None:

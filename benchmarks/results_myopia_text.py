@@ -35,14 +35,13 @@ class PriceRun(NamedTuple):
 
 
 class HallRun(NamedTuple):
-    """PercentObs of a run in the hall, and its median time of a decision."""
+    """PercentObs of a run in the hall."""
 
     site: str
     targets: int
     controller: str
     run: int
     percent: float
-    decision_ms: float
     steps: int
     seed: int
 
@@ -112,7 +111,7 @@ def _hall(runs: list[HallRun]) -> list[str]:
     neighbouring preset in a step (`benchmarks/sites/hall-slow.toml`). The lookahead compares up to 8 first actions over
     5 steps in up to 32 simulated scenarios. Full information looks one step ahead, so it bounds nothing where cameras
     are slow."""
-    heads = ["cameras", "m", "P", "lookahead", "lookahead − P", "full information − P", "decision of the lookahead, ms"]
+    heads = ["cameras", "m", "P", "lookahead", "lookahead − P", "full information − P"]
     lines = ["| " + " | ".join(heads) + " |", "|---|" + "---:|" * (len(heads) - 1)]
     told = []
     for site, pace in HALLS.items():
@@ -120,15 +119,8 @@ def _hall(runs: list[HallRun]) -> list[str]:
             of = {name: _percent(runs, site, count, name) for name in NAMES}
             gain, known = (_paired(of[name], of["pomdp"]) for name in ("lookahead", "full-information"))
             means = [estimate(of[name].values()) for name in ("pomdp", "lookahead")]
-            times = [
-                run.decision_ms
-                for run in runs
-                if (run.site, run.targets) == (site, count) and run.controller == "lookahead"
-            ]
             cells = [pace, str(count), *(f"{mean.mean:.1f} ± {mean.half_width:.1f}" for mean in means)]
-            cells += [f"{g.mean:+.1f} ± {g.half_width:.1f}" for g in (gain, known)] + [
-                f"{sorted(times)[len(times) // 2]:.0f}"
-            ]
+            cells += [f"{gap.mean:+.1f} ± {gap.half_width:.1f}" for gap in (gain, known)]
             lines.append("| " + " | ".join(cells) + " |")
             told.append(f"{pace}, m = {count}: the lookahead {VERDICTS[gain.verdict]} ({gain.mean:+.1f})")
     return [fill(said), "\n".join(lines), fill("; ".join(told).capitalize() + ".")]

@@ -1,0 +1,50 @@
+"""How pages of results put numbers: paragraphs, tables, differences, verdicts."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Sequence
+
+from surveillance_domain.experiments.estimates import Estimate
+
+VERDICTS = {1: "holds", 0: "undecided", -1: "**fails**"}
+
+
+def fill(text: str) -> str:
+    """A paragraph in lines of equal length."""
+    return textwrap.fill(" ".join(text.split()), 118, break_long_words=False, break_on_hyphens=False)
+
+
+def table(heads: Sequence[str], rows: Iterable[Sequence[object]], left: int) -> str:
+    """A table; the first ``left`` columns are set flush left, the others, numbers, flush right."""
+    lines = [heads, *rows]
+    made = ["| " + " | ".join(map(str, line)) + " |" for line in lines]
+    made.insert(1, "|" + "---|" * left + "---:|" * (len(heads) - left))
+    return "\n".join(made)
+
+
+def signed(found: Estimate) -> str:
+    """A difference and half of its interval."""
+    return f"{found.mean:+.1f} ± {found.half_width:.1f}"
+
+
+def unsigned(found: Estimate) -> str:
+    """A mean and half of its interval."""
+    return f"{found.mean:.1f} ± {found.half_width:.1f}"
+
+
+def judged(found: Estimate) -> str:
+    """Whether a difference is above zero, with it."""
+    return f"{VERDICTS[found.verdict]} ({found.mean:+.1f})"
+
+
+def words(parts: Iterable[str]) -> str:
+    """Words in a row, the last two joined by *and*."""
+    *first, last = parts
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def made_by(command: str, runs: int, published: int) -> str:
+    """Which command made a page, and whether it is the published form."""
+    form = "" if runs >= published else f"; the quick form, the published one has {published} runs"
+    return f"Made by `make results` (`{command}`{form})"

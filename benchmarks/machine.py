@@ -12,7 +12,7 @@ import numba
 import numpy as np
 import scipy
 
-__all__ = ["machine"]
+__all__ = ["machine", "peak_bytes"]
 
 
 def machine() -> dict[str, Any]:
@@ -31,6 +31,13 @@ def machine() -> dict[str, Any]:
         "blas_threads": threads,
         "OPENBLAS_CORETYPE": os.environ.get("OPENBLAS_CORETYPE"),
     }
+
+
+def peak_bytes() -> int:
+    """Most memory that this process has held; getrusage would count what its parent held when it was forked."""
+    status = Path("/proc/self/status").read_text(encoding="utf-8")
+    held = next(line for line in status.splitlines() if line.startswith("VmHWM:"))
+    return 1024 * int(held.split()[1])
 
 
 def _processor() -> str:

@@ -1,4 +1,6 @@
-"""One planner on one model: ``python -m benchmarks.planner_peers FILE PEER SECONDS SEED`` prints what it found.
+"""One planner on one model: ``python -m benchmarks.planner_peers MODEL PEER SECONDS SEED`` prints what it found.
+
+MODEL is a file, or the name of an installed domain. For the peer ``exact`` SECONDS is the horizon.
 
 Loading the model, importing and compiling are not timed.
 """
@@ -8,14 +10,15 @@ from __future__ import annotations
 import contextlib
 import io
 import json
-import resource
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import factored_pomdp as fp
+from benchmarks.machine import peak_bytes
 
 __all__ = ["PEERS"]
 
@@ -27,8 +30,17 @@ def ours(path: str, limit: float, seed: int) -> dict[str, Any]:
     from solvers import Limits, PointBased
 
     PointBased(fp.domain("tiger")).solve(Limits(precision=1.0))
-    solver = PointBased(fp.load(path))
+    solver = PointBased(_model(path))
     return _timed(lambda: solver.solve(Limits(precision=_PRECISION, time_limit=limit)), _bounds)
+
+
+def exact(path: str, horizon: float, seed: int) -> dict[str, Any]:
+    """Our exact solver for so many steps."""
+    from solvers import Exact, Limits
+
+    Exact(fp.domain("tiger")).solve(Limits(horizon=2))
+    solver = Exact(_model(path))
+    return _timed(lambda: solver.solve(Limits(horizon=int(horizon))), lambda f: _bounds(f) | {"vectors": f.vectors})
 
 
 def _bounds(found: Any) -> dict[str, Any]:
@@ -40,7 +52,7 @@ def pomdp_toolkit(path: str, limit: float, seed: int) -> dict[str, Any]:
     with contextlib.redirect_stdout(io.StringIO()):
         from pomdp_toolkit import POMDP, Belief
         from pomdp_toolkit.solvers import HSVI
-    flat = fp.joint(fp.load(path))
+    flat = fp.joint(_model(path))
     transition = np.stack([matrix.toarray() for matrix in flat.transition], axis=1)
     observation = np.stack([matrix.toarray() for matrix in flat.observation], axis=1)
     states, actions, seen = len(flat.initial), len(flat.actions), observation.shape[2]
@@ -85,7 +97,7 @@ def pouct(path: str, limit: float, seed: int) -> dict[str, Any]:
     from benchmarks.planner_models import agent_of
 
     random.seed(seed)
-    flat = fp.joint(fp.load(path))
+    flat = fp.joint(_model(path))
     agent = agent_of(flat, np.random.default_rng(seed))
     planner = pomdp_py.POUCT(
         max_depth=100,
@@ -108,7 +120,7 @@ def value_iteration(path: str, limit: float, seed: int) -> dict[str, Any]:
 
     from benchmarks.planner_models import agent_of
 
-    flat = fp.joint(fp.load(path))
+    flat = fp.joint(_model(path))
     agent = agent_of(flat, np.random.default_rng(seed))
     trees, found = 1, {"horizon": 0}
     bearable = 30_000
@@ -133,18 +145,22 @@ def value_iteration(path: str, limit: float, seed: int) -> dict[str, Any]:
 
 PEERS = {
     "ours": ours,
+    "exact": exact,
     "pomdp-toolkit": pomdp_toolkit,
     "pomdp_py POUCT": pouct,
     "pomdp_py value iteration": value_iteration,
 }
 
 
+def _model(path: str) -> fp.FactoredPOMDP:
+    return fp.load(path) if Path(path).is_file() else fp.domain(path)
+
+
 def _timed(solve: Any, read: Any) -> dict[str, Any]:
     wall, processor = time.perf_counter(), time.process_time()
     found = solve()
     took = {"seconds": time.perf_counter() - wall, "processor_s": time.process_time() - processor}
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    return {**read(found), **took, "peak_bytes": peak}
+    return {**read(found), **took, "peak_bytes": peak_bytes()}
 
 
 if __name__ == "__main__":

@@ -19,7 +19,9 @@ from benchmarks.report import Report
 
 __all__ = ["BENCHMARKS", "main", "show"]
 
-BENCHMARKS = ("growth", "rivals", "exponential", "elimination", "large_map", "planners", "detection", "control_step")
+BENCHMARKS = (
+    "growth", "rivals", "exponential", "elimination", "large_map", "planners", "exact", "detection", "control_step",
+)  # fmt: skip
 _WIDTH = 160
 """Columns of text where the output goes to a file."""
 _CAVEAT = "numpy's own speed depends on its BLAS kernel: set OPENBLAS_CORETYPE to compare with another one"

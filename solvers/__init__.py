@@ -7,12 +7,14 @@ if TYPE_CHECKING:
     from solvers.auto import Auto
     from solvers.base import Ability, Decision
     from solvers.exact import Exact
+    from solvers.lookahead import Lookahead
     from solvers.maximise import maximise
     from solvers.mdp import MDP
     from solvers.myopic import DecomposedMyopic
     from solvers.myopic_joint import JointMyopic
     from solvers.point_based import PointBased
     from solvers.solution import Limits, Progress, Solution
+    from solvers.sparse_sampling import SparseSampling
     from solvers.upper_bounds import FIB, QMDP
 
 _HOME_OF = {
@@ -24,11 +26,13 @@ _HOME_OF = {
     "FIB": "upper_bounds",
     "JointMyopic": "myopic_joint",
     "Limits": "solution",
+    "Lookahead": "lookahead",
     "MDP": "mdp",
     "PointBased": "point_based",
     "Progress": "solution",
     "QMDP": "upper_bounds",
     "Solution": "solution",
+    "SparseSampling": "sparse_sampling",
     "maximise": "maximise",
 }
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import replace
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
+from benchmarks.machine import peak_bytes
 from surveillance_domain.control.factory import Setting, make_controller
 from surveillance_domain.control.loop import run_loop
 from surveillance_domain.experiments.runs import simulated_world
@@ -23,13 +23,6 @@ from surveillance_domain.site.load import load_site
 from surveillance_domain.site.site import Site
 
 __all__ = ["large_site"]
-
-
-def _peak_bytes() -> int:
-    """Most memory that this process has held; getrusage would count what its parent held when it was forked."""
-    status = Path("/proc/self/status").read_text(encoding="utf-8")
-    held = next(line for line in status.splitlines() if line.startswith("VmHWM:"))
-    return 1024 * int(held.split()[1])
 
 
 def large_site(side: int, seed: int = 0) -> Site:
@@ -78,7 +71,7 @@ def measured(side: int, targets: int, controller: str, steps: int) -> dict[str, 
         "upper_bound": last.upper_bound,
         "method": last.method,
         "restarts": chosen.restarts,
-        "peak_bytes": _peak_bytes(),
+        "peak_bytes": peak_bytes(),
     }
 
 

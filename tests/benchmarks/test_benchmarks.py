@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from benchmarks.elimination import elimination
+from benchmarks.exact import exact
 from benchmarks.exponential import exponential
 from benchmarks.flat import Flat
 from benchmarks.growth import growth
@@ -130,6 +131,16 @@ def test_a_planner_answers_from_a_process_of_its_own() -> None:
     assert found["lower"] <= 19.371368 <= found["upper"]
     assert found["upper"] - found["lower"] <= 1e-3
     assert found["peak_bytes"] > 1e7
+
+
+@pytest.mark.end_to_end
+@pytest.mark.skipif(not MODELS.is_dir(), reason="the published models are not here")
+def test_the_memory_is_the_planners_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("benchmarks.exact.CASES", (("cassandra/tiger.95.POMDP", 2, "", ""),))
+    large = np.ones(60_000_000)  # what a forked child would be charged with
+    (found,) = exact(quick=True, seed=0).figures.values()
+    assert 1e7 < found["peak_bytes"] < large.nbytes
+    assert found["vectors"] == 3 + 5  # with one and two steps to go (Kaelbling, Littman, Cassandra, AIJ 1998)
 
 
 @pytest.mark.end_to_end

@@ -55,6 +55,7 @@ class Online(ABC):
         self._rng = rng if rng is not None else np.random.default_rng(0)
         self._simulated = Scenarios(self.base, keep or {})
         self._names = [variable.name for variable in model.states]
+        self._last: tuple[ProductBelief, Valued] | None = None
 
     @classmethod
     @abstractmethod
@@ -80,14 +81,21 @@ class Online(ABC):
             base = self.base.decide(belief, self._simulated.preferred(belief))
             return replace(base, method=f"{base.method}, one step ahead: {hindrance}") if hindrance else base
         found = self.compared(belief)
+        self._last = belief, found.valued
         chosen = found.better_than_base(self.margin)
         method = f"{self._described(found)}, standard error {found.error(chosen):.3g}; not proved"
         return Decision(found.actions[chosen][0], found.mean(chosen), math.inf, method)
 
     def values(self, belief: ProductBelief) -> Valued:
-        """Estimated returns of the first actions that were compared to the end."""
-        found = self.compared(belief)
-        return [(action, found.mean(number)) for number, (action, _) in enumerate(found.actions)]
+        """Estimated returns of the first actions that were compared; one-step values where nothing is simulated.
+
+        The last decision's own where it was made at this belief, so that asking changes nothing that comes later.
+        """
+        if self.steps == 1 or self._hindrance(belief):
+            return self.base.values(belief)
+        if self._last is not None and self._last[0] is belief:
+            return self._last[1]
+        return self.compared(belief).valued
 
     def first_actions(self, belief: ProductBelief) -> list[FirstAction]:
         """Which first actions are compared, the myopic one first."""

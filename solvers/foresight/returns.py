@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from solvers.action_values import Valued
 from solvers.foresight.first_actions import FirstAction
 
 __all__ = ["Returns"]
@@ -25,10 +26,13 @@ class Returns:
     actions : tuple of FirstAction
         With their expected rewards of the next step; the base policy's action first.
     samples : (scenarios, actions) float
+    dropped : tuple of (action, float)
+        What was estimated of actions that are not followed any more.
     """
 
     actions: tuple[FirstAction, ...]
     samples: Float[np.ndarray, "scenarios actions"]
+    dropped: tuple[FirstAction, ...] = ()
 
     @property
     def scenarios(self) -> int:
@@ -46,6 +50,11 @@ class Returns:
         """Mean return of one action minus another's, and the standard error of that (paired by scenario)."""
         difference = self.samples[:, action] - self.samples[:, other]
         return float(difference.mean()), _standard_error(difference)
+
+    @property
+    def valued(self) -> Valued:
+        """Estimated returns of all the actions, those that were dropped last."""
+        return [(action, self.mean(number)) for number, (action, _) in enumerate(self.actions)] + list(self.dropped)
 
     @property
     def best(self) -> int:
@@ -68,12 +77,14 @@ class Returns:
         return kept
 
     def of(self, actions: Sequence[int]) -> Returns:
-        """Some of the actions."""
-        return Returns(tuple(self.actions[action] for action in actions), self.samples[:, list(actions)])
+        """Some of the actions; the others are dropped."""
+        others = [action for action in range(len(self.actions)) if action not in actions]
+        dropped = self.dropped + tuple((self.actions[action][0], self.mean(action)) for action in others)
+        return Returns(tuple(self.actions[action] for action in actions), self.samples[:, list(actions)], dropped)
 
     def and_more(self, other: Returns) -> Returns:
         """The same actions in more scenarios."""
-        return Returns(self.actions, np.concatenate([self.samples, other.samples]))
+        return Returns(self.actions, np.concatenate([self.samples, other.samples]), self.dropped)
 
 
 def _standard_error(samples: Float[np.ndarray, " scenarios"]) -> float:

@@ -102,6 +102,21 @@ def test_what_is_certain_is_found_exactly(data: st.DataObject) -> None:
 
 
 @pytest.mark.example
+def test_values_are_those_that_the_decision_was_made_by_and_asking_changes_nothing() -> None:
+    model = fp.domain("machine-repair")
+    asked, silent = Lookahead(model), Lookahead(model)
+    belief = asked.start()
+    for _ in range(3):
+        decision = asked.decide(belief)
+        valued = asked.values(belief)
+        assert len(valued) == 8
+        assert decision.value in [value for action, value in valued if action == decision.action]
+        assert silent.decide(belief) == decision
+        belief = belief.predict(decision.action)
+    assert len(Lookahead(model, horizon=1).values(belief)) == model.joint_actions
+
+
+@pytest.mark.example
 def test_it_walks_past_a_small_reward_to_a_large_one() -> None:
     """Over three steps: back, then staying, 1 + 0.9 + 0.81; on (0), then on as the myopic policy then does, 5 and 5."""
     model = doors()

@@ -73,6 +73,7 @@ def test_no_difference_on_installed_domains(name: str, options: dict[str, Any]) 
 
 @pytest.mark.slow
 @pytest.mark.end_to_end
+@pytest.mark.timeout(1800)
 @pytest.mark.parametrize("options", [{}, {"detection_probability": 0.8, "cell_noise_m": 0.7}])
 @pytest.mark.parametrize(("site", "targets"), [("tiny", 2), ("tiny-3", 3)])
 def test_no_difference_on_small_sites(site: str, targets: int, options: dict[str, float]) -> None:

@@ -2,7 +2,7 @@
 PYTHON ?= python3
 WORKERS ?= 2
 BIN := .venv/bin
-PYTEST := $(BIN)/pytest -n $(WORKERS) -p nbmake --nbmake tests $(wildcard notebooks)
+PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal -p nbmake --nbmake $(wildcard notebooks) tests
 EXTRAS := dev,docs,notebooks,vision,page,cluster,bench
 
 .DEFAULT_GOAL := help
@@ -41,9 +41,9 @@ docs: .venv/.installed-dev ## build the documentation site into out/site; a warn
 bench: .venv/.installed-bench ## measure speed, against the rivals too
 	$(BIN)/python -m benchmarks.run
 
-results: .venv/.installed-core ## make docs/results.md anew
-	$(BIN)/python benchmarks/results.py
-	$(BIN)/python benchmarks/results_myopia.py
+results: .venv/.installed-core ## make the pages of results anew: a few runs a point, or with FULL=1 as published (hours)
+	$(BIN)/python benchmarks/results.py $(if $(FULL),--full)
+	$(if $(FULL),$(BIN)/python benchmarks/results_myopia.py)
 
 notebook: .venv/.installed-notebooks ## open the notebooks
 	$(BIN)/jupyter notebook --notebook-dir=notebooks

@@ -1,19 +1,18 @@
-"""All runs behind docs/results.md, as they stand in figures/runs.csv."""
+"""All runs behind the pages of results, as they stand in figures/runs.csv and figures/sensitivity.csv."""
 
 from __future__ import annotations
 
 import csv
+import io
 import os
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
-from surveillance_domain.control.factory import COMPARED
 from surveillance_domain.experiments.estimates import Estimate, estimate
 
 RUNS = "runs.csv"
-SIMULATED = (*COMPARED, "mp-hold", "mp-dead-reckoning")
-"""Controllers of which the file has runs."""
 Case = tuple[str, str, str, int, str, str]
 Panel = tuple[str, str, int]
 """Truth, site, number of targets."""
@@ -45,14 +44,23 @@ class Results:
     @classmethod
     def read(cls, path: Path) -> Results:
         """From the file."""
+        return cls.of(read_rows(path))
+
+    @classmethod
+    def of(cls, rows: Iterable[Mapping[str, str]]) -> Results:
+        """From at least one row under the names of `Key`, ``percent`` and ``restarts``."""
         percent: dict[Case, dict[int, float]] = {}
         restarts: dict[Case, int] = {}
-        with path.open(newline="", encoding="utf-8") as file:
-            for row in csv.DictReader(file):
-                case = (row["what"], row["truth"], row["site"], int(row["targets"]), row["controller"], row["kappa"])
-                percent.setdefault(case, {})[int(row["run"])] = float(row["percent"])
-                restarts[case] = restarts.get(case, 0) + int(row["restarts"])
+        for row in rows:
+            case = (row["what"], row["truth"], row["site"], int(row["targets"]), row["controller"], row["kappa"])
+            percent.setdefault(case, {})[int(row["run"])] = float(row["percent"])
+            restarts[case] = restarts.get(case, 0) + int(row["restarts"])
         return cls(percent, restarts, int(row["steps"]), int(row["seed"]))
+
+    def first(self, runs: int) -> Results:
+        """Only the runs below a number; restarts are left out."""
+        kept = {case: {n: one for n, one in of.items() if n < runs} for case, of in self.percent.items()}
+        return replace(self, percent=kept, restarts={})
 
     def samples(
         self, truth: str, site: str, targets: int, controller: str, kappa: str = "", what: str = "percent-obs"
@@ -67,10 +75,10 @@ class Results:
         found = self.samples(truth, site, targets, controller, kappa, what)
         return estimate(found[run] for run in sorted(found))
 
-    def lead(self, truth: str, site: str, targets: int, other: str, kappa: str = "") -> Estimate:
-        """P minus another, run by run."""
-        ours, theirs = self.samples(truth, site, targets, "pomdp"), self.samples(truth, site, targets, other, kappa)
-        return estimate(ours[run] - theirs[run] for run in sorted(ours.keys() & theirs.keys()))
+    def lead(self, truth: str, site: str, targets: int, other: str, kappa: str = "", ours: str = "pomdp") -> Estimate:
+        """P (or another that is ours) minus another, run by run over the runs that both have."""
+        left, right = self.samples(truth, site, targets, ours), self.samples(truth, site, targets, other, kappa)
+        return estimate(left[run] - right[run] for run in sorted(left.keys() & right.keys()))
 
     @property
     def panels(self) -> list[Panel]:
@@ -92,10 +100,29 @@ class Results:
         """How many runs of each case."""
         return len(self.samples(*self.panels[0], "pomdp"))
 
+    def with_runs_of(self, controller: str, kappa: str = "") -> list[Panel]:
+        """The panels in which a controller was run."""
+        return [panel for panel in self.panels if ("percent-obs", *panel, controller, kappa) in self.percent]
+
     def restarts_per_thousand(self, truth: str, site: str, targets: int) -> float:
         """Beliefs of P started anew in a thousand target-steps."""
         case = ("percent-obs", truth, site, targets, "pomdp", "")
         return 1000 * self.restarts[case] / (len(self.percent[case]) * self.steps * targets)
+
+
+def read_rows(path: Path) -> list[dict[str, str]]:
+    """A CSV file by its heads."""
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def write_rows(path: Path, heads: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """A CSV file, numbers to six digits; it is there in full or not at all."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(heads)
+    writer.writerows([f"{cell:.6g}" if isinstance(cell, float) else cell for cell in row] for row in rows)
+    write_text(path, text.getvalue())
 
 
 def write_text(path: Path, text: str) -> None:

@@ -1,0 +1,159 @@
+"""The words of docs/results-people.md; every figure and every verdict in it is worked out from the windows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from results_people import FITS, GUESSED, PEOPLE, STEPS, WATCHING, Scene
+from results_table import read_rows
+from results_words import VERDICTS, fill, made_by, signed, table, unsigned, words
+
+from surveillance_domain.experiments.estimates import Estimate, estimate
+from surveillance_domain.experiments.variants import ALL_NAMES, BOUNDS
+
+NAMES = {**ALL_NAMES, GUESSED: "P, guessed motion"}
+RIVALS = tuple(name for name in WATCHING if name != "pomdp")
+_ABOUT = """Recorded people in the place of simulated targets: they do not follow the model, come and go as they please,
+and nobody knows beforehand how they walk. For each scene the motion model was **learned on the other scene**, never on
+itself; camera poses, doors and their rates were fixed from the map's or the picture's geometry before any controller
+was run, and stand with their reasons in the site files. Everybody who is on the map at some time of a window is one
+target; a target that is outside counts for nothing. Intervals are Student's 95 % over windows, those of differences
+paired, window by window; windows of one recording follow one another, so they are not quite independent."""
+_BOUNDS = """Full information knows where everybody is and in which direction bin they walk, and foretells one step by
+the learned motion, which is not how they really walk: here it bounds nothing, strictly. The clairvoyant knows the
+recording, and bounds everything."""
+_MISSED = """What is missed, in shares of target-steps: *unmet*, people who have come in and whom nobody has seen in the
+window so far; *lost*, people who were seen before. Of the unmet a belief knows no more than that they come in by a
+door; a motion model helps with the lost. *Restarts*: sightings that P's belief called impossible, in a thousand
+target-steps."""
+_FORETOLD = """Log-likelihood of the cell of the next position, in nats a step, in the scene for which it was learned
+(towards 0 is better): of the model, of the same on the grid with 8 directions as the belief has it, of a random walk
+and of constant velocity (these two with widths from the scene of learning, too)."""
+_DATA = """Recordings: S. Pellegrini, A. Ess, K. Schindler, L. van Gool, *You'll never walk alone* (ICCV 2009), and
+A. Lerner, Y. Chrysanthou, D. Lischinski, *Crowds by example* (Eurographics 2007). They are not part of this project,
+and only aggregates over windows are published here: [people.csv](figures/people.csv) and
+[people-fits.csv](figures/people-fits.csv)."""
+
+
+@dataclass(frozen=True)
+class People:
+    """Windows by scene, controller and number, each under the names of `results_people.Watched`; and the fits."""
+
+    windows: Mapping[tuple[str, str], Mapping[int, Mapping[str, float]]]
+    fits: Sequence[Mapping[str, str]]
+    seed: int
+
+    def mean(self, scene: str, controller: str, what: str = "percent") -> Estimate:
+        """Over windows."""
+        return estimate(one[what] for one in self.windows[scene, controller].values())
+
+    def lead(self, scene: str, other: str) -> Estimate:
+        """P minus another, window by window."""
+        ours, theirs = self.windows[scene, "pomdp"], self.windows[scene, other]
+        return estimate(ours[number]["percent"] - theirs[number]["percent"] for number in sorted(ours))
+
+    def total(self, scene: str, controller: str, what: str) -> float:
+        """Sum over windows."""
+        return sum(one[what] for one in self.windows[scene, controller].values())
+
+    def share(self, scene: str, controller: str, what: str) -> float:
+        """A share of target-steps, over all windows together."""
+        of = self.windows[scene, controller].values()
+        return float(np.average([one[what] for one in of], weights=[one["present"] for one in of]))
+
+
+def read_people(figures: Path) -> People:
+    """What stands in ``people.csv`` and ``people-fits.csv``."""
+    windows: dict[tuple[str, str], dict[int, dict[str, float]]] = {}
+    for row in read_rows(figures / PEOPLE):
+        numbers = {name: float(value) for name, value in row.items() if name not in ("scene", "controller")}
+        windows.setdefault((row["scene"], row["controller"]), {})[int(row["window"])] = numbers
+    return People(windows, read_rows(figures / FITS), int(row["seed"]))
+
+
+def page(people: People, scenes: Sequence[Scene], command: str) -> str:
+    """The whole page."""
+    return (
+        "\n\n".join(
+            [
+                "# Recorded people",
+                _opening(people, scenes, command),
+                fill(_ABOUT),
+                _rankings(people, scenes),
+                "![PercentObs against recorded people](figures/people.png)",
+                _means(people, scenes),
+                fill(_BOUNDS),
+                _missed(people, scenes),
+                _learned(people, scenes),
+                fill(_DATA),
+            ]
+        )
+        + "\n"
+    )
+
+
+def _opening(people: People, scenes: Sequence[Scene], command: str) -> str:
+    told = []
+    for scene in scenes:
+        count = len(people.windows[scene.name, "pomdp"])
+        met = people.mean(scene.name, "pomdp", "people").mean
+        told.append(f"{count} windows of {scene.title} ({met:.0f} people in a window)")
+    found = made_by(command, 1, 1)
+    return fill(f"{found}: {words(told)}, each of {STEPS} steps of a second, seed {people.seed}.")
+
+
+def _rankings(people: People, scenes: Sequence[Scene]) -> str:
+    """What does not hold comes first."""
+    said: dict[int, list[str]] = {-1: [], 0: [], 1: []}
+    for scene in scenes:
+        for name in RIVALS:
+            if name not in BOUNDS:
+                lead = people.lead(scene.name, name)
+                said[lead.verdict].append(f"{scene.name}: P above {NAMES[name]}, {signed(lead)}")
+    lines = ["## Which rankings hold", ""]
+    for verdict, found in said.items():
+        lines += [f"- {VERDICTS[verdict]}: {one}" for one in found]
+    return "\n".join(lines)
+
+
+def _means(people: People, scenes: Sequence[Scene]) -> str:
+    rows = []
+    for name in WATCHING:
+        cells = [NAMES[name]]
+        for scene in scenes:
+            cells.append(unsigned(people.mean(scene.name, name)))
+            cells.append("" if name == "pomdp" else signed(people.lead(scene.name, name)))
+        rows.append(cells)
+    heads = [head for scene in scenes for head in (f"{scene.name}: PercentObs", "P minus it")]
+    return table(["controller", *heads], rows, 1)
+
+
+def _missed(people: People, scenes: Sequence[Scene]) -> str:
+    rows = []
+    for scene in scenes:
+        for name in WATCHING:
+            shares = [people.share(scene.name, name, what) for what in ("unmet", "lost")]
+            present, restarts = (people.total(scene.name, name, what) for what in ("present", "restarts"))
+            again = f"{1000 * restarts / present:.1f}" if name.startswith("pomdp") else ""
+            rows.append([scene.name, NAMES[name], f"{100 - sum(shares):.1f}", *(f"{one:.1f}" for one in shares), again])
+    made = table(["scene", "controller", "observed", "unmet", "lost", "restarts"], rows, 2)
+    return "\n\n".join(["## What is missed", fill(_MISSED), made])
+
+
+def _learned(people: People, scenes: Sequence[Scene]) -> str:
+    titles = {scene.name: scene.title for scene in scenes}
+    rows = []
+    for fit in people.fits:
+        numbers = [
+            f"{float(fit[name]):.{digits}f}" for name, digits in (("sigma_direction_deg", 1), ("sigma_speed_mps", 2))
+        ]
+        scores = [f"{float(fit[name]):.3f}" for name in ("model", "on_grid", "random_walk", "constant_velocity")]
+        others = words(titles[name] for name in fit["learned_on"].split("+"))
+        speeds = fit["speeds_mps"].replace(" ", ", ")
+        rows.append([titles[fit["scene"]], f"{others}, {fit['people']} people", speeds, *numbers, *scores])
+    heads = ["for", "learned on", "speeds (m/s)", "σ direction (°)", "σ speed (m/s)"]
+    made = table([*heads, "model", "on the grid", "random walk", "constant velocity"], rows, 3)
+    return "\n\n".join(["## What was learned", made, fill(_FORETOLD)])

@@ -88,7 +88,7 @@ class Move:
     seconds : float
         How long it took.
     because : str
-        Why it did not reach; empty if it did.
+        Why it did not reach, without the camera's name; empty if it did.
     fault : str
         The class of the error that made it unreachable; empty if it was not.
     """
@@ -143,7 +143,7 @@ class Health:
     returns_s : float or None
         When, on its clock, it will be tried again; ``None`` while it is ready.
     because : str
-        The last failure; empty if there was none.
+        The last failure, without the camera's name; empty if there was none.
     """
 
     state: HealthState

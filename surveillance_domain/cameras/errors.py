@@ -12,6 +12,7 @@ __all__ = [
     "Refused",
     "Unreachable",
     "Untrusted",
+    "without_name",
 ]
 
 
@@ -49,3 +50,8 @@ class OutsideLimits(CameraError):
 
 class Untrusted(CameraError):
     """The camera is not who it should be: its certificate is not one that is trusted, or it speaks no TLS."""
+
+
+def without_name(message: object, camera: str) -> str:
+    """What an error says, without the camera's name that it begins with: for where that stands already."""
+    return str(message).removeprefix(f"{camera}: ")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import datetime
 from email.utils import parsedate_to_datetime
 from typing import TypeVar
@@ -13,7 +14,15 @@ import numpy as np
 from surveillance_domain.cameras import answers
 from surveillance_domain.cameras.base import Health, HealthState, Limits, Move, Outcome, Picture, Position
 from surveillance_domain.cameras.clock import Clock
-from surveillance_domain.cameras.errors import BadPicture, CameraAway, CameraError, OutsideLimits, Refused, Unreachable
+from surveillance_domain.cameras.errors import (
+    BadPicture,
+    CameraAway,
+    CameraError,
+    OutsideLimits,
+    Refused,
+    Unreachable,
+    without_name,
+)
 from surveillance_domain.cameras.exchange import Answer, Exchange
 from surveillance_domain.cameras.moving import Pace, drive
 from surveillance_domain.cameras.pictures import jpeg_size
@@ -111,11 +120,13 @@ class VapixCamera:
                 limits = self.limits or self._read_limits(start + budget_s)
             except CameraError as error:
                 spent_s = self._clock.now() - start
-                return Move(Outcome.UNREACHABLE, None, spent_s, str(error), type(error).__name__)
+                because = without_name(error, self.name)
+                return Move(Outcome.UNREACHABLE, None, spent_s, because, type(error).__name__)
             faults = limits.faults(target)
             if faults:
-                return Move(Outcome.STALLED, None, 0.0, f"{self.name}: not sent, the camera would clamp: {faults[0]}")
-            return drive(self, target, self._pace, self._clock, self._rng, start + budget_s)
+                return Move(Outcome.STALLED, None, 0.0, f"not sent, the camera would clamp: {faults[0]}")
+            move = drive(self, target, self._pace, self._clock, self._rng, start + budget_s)
+            return replace(move, because=without_name(move.because, self.name))
 
     def picture(self, budget_s: float) -> Picture:
         """A picture, if the positions before and after it agree.
@@ -246,7 +257,7 @@ class VapixCamera:
 
     def _fail(self, error: CameraError) -> None:
         """Count a failure; a camera that did not answer may have rebooted, so what was known of it is not any more."""
-        self._failures, self._because = self._failures + 1, str(error)
+        self._failures, self._because = self._failures + 1, without_name(error, self.name)
         if isinstance(error, Unreachable):
             self._breaker.failed()
             self.limits = None

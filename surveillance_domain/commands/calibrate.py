@@ -47,7 +47,9 @@ def calibrate(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder for pictures with the floor's grid drawn over them.")
     ] = None,
-    write: Annotated[bool, typer.Option("--write", help="Put the result into the site file.")] = False,
+    write: Annotated[
+        bool, typer.Option("--write", help="Put the result into the site file, its points beside it for the doctor.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Solve a camera's calibration and say how well it fits: by a homography for each preset, or by its mount."""
@@ -75,6 +77,7 @@ def calibrate(
     if path is not None and good:
         with input_checked((ValueError, OSError)):
             calibration_answer.write(path, description, fitted)
+            calibration_answer.keep_points(path, description, fitted, taken)
     carried = provenance(COMMAND_LINE.get(), {found.name: f"sha256:{found.digest}"})
     content: dict[str, Any] = {
         "site": found.name,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from surveillance_domain.vision.mount_fit import MountFit
     from surveillance_domain.vision.points import PointResidual
 
-__all__ = ["content", "draw", "shown", "write"]
+__all__ = ["content", "draw", "keep_points", "shown", "write"]
 
 _DIGITS = 12
 _BACKGROUND = 110
@@ -121,6 +121,36 @@ def write(path: Path, camera: Camera, fitted: MountFit | tuple[HomographyFit, ..
         for preset in camera.presets:
             if preset.homography is not None:
                 set_homography(document, camera.name, preset.name, None)
+
+
+def keep_points(
+    path: Path, camera: Camera, fitted: MountFit | tuple[HomographyFit, ...], taken: Mapping[str, Any]
+) -> None:
+    """Write the points that fit beside the site file, for the doctor to look for them again.
+
+    Raises
+    ------
+    SiteError
+        If the file that is there is none of ours.
+    OSError
+        If it cannot be written.
+    """
+    from datetime import UTC, datetime
+    from math import isfinite
+
+    from surveillance_domain.vision.calibration_file import Calibrated, calibration_path, write_calibrations
+    from surveillance_domain.vision.landmarks import landmarks
+    from surveillance_domain.vision.points import root_mean_square
+
+    when = datetime.now(UTC).isoformat(timespec="seconds")
+    points = [one for fit in fitted for one in fit.points] if isinstance(fitted, tuple) else list(fitted.points)
+    made = []
+    for preset in camera.presets:
+        mine = [one for one in points if one.fits and one.point.preset == preset.name and isfinite(one.metres)]
+        if mine:
+            known = landmarks([one.point for one in mine], taken)
+            made.append(Calibrated(preset, when, root_mean_square([one.metres for one in mine]), known))
+    write_calibrations(calibration_path(path), camera.name, made, anew=not isinstance(fitted, tuple))
 
 
 def _grounds(camera: Camera, fitted: MountFit | tuple[HomographyFit, ...]) -> dict[str, Ground]:

@@ -33,11 +33,15 @@ def doctor(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Check every camera: reachability, log-in, limits, pictures, markers, calibration, a move; exit code 1 if ill."""
+    """Check every camera: reachability, log-in, limits, pictures, markers, calibration, a move; exit code 1 if ill.
+
+    Points that calibrate --write kept are looked for again: pan drifts.
+    """
     from concurrent.futures import ThreadPoolExecutor
 
     from surveillance_domain.model.views import build_views
     from surveillance_domain.site.load import load_site
+    from surveillance_domain.vision.calibration_file import calibration_path, read_calibrations
     from surveillance_domain.vision.opencv import VisionMissing, opencv
     from surveillance_domain.vision.point_files import read_markers
     from surveillance_domain.world.doctor import Examination
@@ -46,6 +50,7 @@ def doctor(
         found = load_site(site)
         views = build_views(found)
         markers = None if floor_markers is None else read_markers(floor_markers)
+        kept = {} if emulated or found.path is None else read_calibrations(calibration_path(found.path))
         if markers is not None and found.markers is None:
             raise InputError(f"site {found.name}: --floor-markers needs a [markers] table in the site file")
         opencv()
@@ -54,7 +59,7 @@ def doctor(
         if not no_move and not emulated:
             stack.enter_context(alone(state))
         examined, cameras, clock = stack.enter_context(_cameras(found, emulated))
-        examination = Examination(examined, views, clock, not no_move, markers)
+        examination = Examination(examined, views, clock, not no_move, markers, calibrated=kept)
         held = frozenset() if emulated else state.held()
         tasks = [partial(examination.of, camera, camera.name in held) for camera in cameras]
         with ThreadPoolExecutor(len(tasks)) as pool:

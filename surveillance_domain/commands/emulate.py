@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -16,6 +17,14 @@ def emulate(
     site: SiteName,
     targets: Annotated[int, typer.Option(min=1, max=50, help="How many move there.")] = 3,
     port: Annotated[int, typer.Option(min=0, max=65_000, help="Of the first camera; 0: any that are free.")] = 0,
+    floor_markers: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="CSV or JSON: marker, x_m, y_m; height_m: markers that lie there."),
+    ] = None,
+    site_out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="A new site file that leads to them, for all commands of real cameras."),
+    ] = None,
     seconds: Annotated[float, typer.Option(min=0, help="How long; 0: until Ctrl-C.")] = 0,
     seed: Seed = 0,
     truth: TruthChoice = Truth.continuous,
@@ -25,21 +34,28 @@ def emulate(
     import numpy as np
 
     from surveillance_domain.cameras.clock import RealClock
+    from surveillance_domain.commands.emulated_site_file import PASSWORD_ENV, write_site_file
     from surveillance_domain.commands.options import truth_kind
     from surveillance_domain.commands.stopping import until_stopped
     from surveillance_domain.emulation.site import PASSWORD, USERNAME, EmulatedSite
     from surveillance_domain.model.views import build_views
     from surveillance_domain.site.load import load_site
+    from surveillance_domain.vision.point_files import read_markers
 
     with input_checked():
         found = load_site(site)
         build_views(found)
+        laid = () if floor_markers is None else tuple(read_markers(floor_markers).values())
+        if laid and found.markers is None:
+            raise InputError(f"site {found.name}: --floor-markers needs a [markers] table in the site file")
     try:
         emulated = EmulatedSite(
-            found, targets, RealClock(), np.random.default_rng(seed), truth_kind(truth), first_port=port
+            found, targets, RealClock(), np.random.default_rng(seed), truth_kind(truth), first_port=port, laid=laid
         )
     except OSError as problem:
         raise InputError(f"--port {port}: {(problem.strerror or str(problem)).lower()}; give another, or 0") from None
+    except ValueError as problem:
+        raise InputError(str(problem)) from None
     except ModuleNotFoundError as problem:
         if problem.name != "cv2":
             raise
@@ -51,6 +67,11 @@ def emulate(
             shown.add_row(camera["name"], camera["url"], f"{camera['url']}/axis-cgi/jpg/image.cgi")
         content = {"site": found.name, "targets": targets, "username": USERNAME, "password": PASSWORD}
         answer({**content, "cameras": cameras}, [shown, f"User {USERNAME}, password {PASSWORD}."], as_json=as_json)
+        if site_out is not None:
+            with input_checked():
+                urls = {camera["name"]: camera["url"] for camera in cameras}
+                write_site_file(found, urls, USERNAME, site_out)
+            side_console().print(f"Written: {site_out}. First: export {PASSWORD_ENV}={PASSWORD}", soft_wrap=True)
         if not seconds:
             side_console().print("Ctrl-C ends them.")
         until_stopped(seconds or None)

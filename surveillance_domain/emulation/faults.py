@@ -25,6 +25,8 @@ class Faults:
         The position that it tells stays as it was when this was set, while the motors go on.
     pan_drift_deg_per_s : float
         The pan that it tells moves away from the true one, from when this was set.
+    pan_slip_deg : float
+        Its motors have slipped: it looks that far beside where it goes and tells that it is.
     truncated_picture : bool
         Half of a picture, and then the connection is closed.
     garbled_picture : bool
@@ -39,6 +41,7 @@ class Faults:
     wrong_password: bool = False
     frozen: bool = False
     pan_drift_deg_per_s: float = 0.0
+    pan_slip_deg: float = 0.0
     truncated_picture: bool = False
     garbled_picture: bool = False
     reboot_in_move: bool = False

@@ -92,7 +92,8 @@ class EmulatedMotors:
     def true(self) -> Axes:
         """Where it really looks now."""
         with self._lock:
-            return self._journey.at(self._now())
+            pan, tilt, zoom = self._journey.at(self._now())
+            return pan + self.faults.pan_slip_deg, tilt, zoom
 
     def told(self) -> Axes:
         """Where it says it looks now."""

@@ -46,14 +46,18 @@ class MovingTargets:
             return self._present
 
     def poses(self) -> tuple[Float[np.ndarray, "targets 2"], Float[np.ndarray, " targets"]]:
-        """Where the targets are now, x and y in metres, and their headings in radians counter-clockwise from +x."""
+        """Where the targets are now, x and y in metres, and their headings in radians counter-clockwise from +x.
+
+        nan for those that are outside. Who leaves by a door stands in it until the step is over; who comes in is there
+        from the end of the step on.
+        """
         with self._lock:
             share = self._catch_up()
             here, there = self._present, self._next
             if not self._smooth:
                 return here.positions_m, self._headings(here)
-            places = here.positions_m + share * (there.positions_m - here.positions_m)
-            return places, self._headings(there)
+            ahead = np.where(np.isnan(there.positions_m), here.positions_m, there.positions_m)
+            return here.positions_m + share * (ahead - here.positions_m), self._headings(there)
 
     def _catch_up(self) -> float:
         """Step up to now; the share of the present step that is over."""

@@ -8,11 +8,12 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from surveillance_domain.emulation.canvas import Canvas
-from surveillance_domain.emulation.solids import Face, box, walls
+from surveillance_domain.emulation.solids import Face, box, level_square, walls
 from surveillance_domain.emulation.textures import MARKER_SHARE, floor, marker_top
 from surveillance_domain.model.looks import Look
 from surveillance_domain.model.pinhole import Pinhole
 from surveillance_domain.site.site import Site
+from surveillance_domain.vision.points import FloorMarker
 
 __all__ = ["Renderer"]
 
@@ -20,7 +21,9 @@ _WALL_M = 2.4
 _WALL = (205, 198, 184)
 _BEYOND = (90, 84, 78)
 _PERSON_SIDE_M, _PERSON_HEIGHT_M = 0.45, 1.7
+_PAPER = (255, 255, 255)
 _SPARE = 256
+_MOST_GROUNDS = 12
 
 
 class Renderer:
@@ -38,13 +41,24 @@ class Renderer:
         For the texture of the floor and the noise.
     noise : float
         Standard deviation of a pixel, of 255.
+    laid : sequence of FloorMarker
+        Markers on white sheets, upright as seen from the lower edge of the map; where the site has markers.
     """
 
-    def __init__(self, site: Site, looks: Sequence[Look], rng: np.random.Generator, noise: float = 3.0) -> None:
+    def __init__(
+        self,
+        site: Site,
+        looks: Sequence[Look],
+        rng: np.random.Generator,
+        noise: float = 3.0,
+        laid: Sequence[FloorMarker] = (),
+    ) -> None:
         self._looks, self._rng, self._noise = tuple(looks), rng, noise
-        self._sheet: np.ndarray | None = None
+        self._grain: dict[tuple[int, int], np.ndarray] = {}
         self._floor = floor(site.grid, rng)
-        self._walls = walls(site.grid, _WALL_M, _WALL)
+        self._grounds: dict[tuple[bytes, int, int], tuple[np.ndarray, np.ndarray]] = {}
+        self._entropy = int(rng.integers(2**63))
+        self._standing = walls(site.grid, _WALL_M, _WALL)
         self._side_m, self._height_m = _PERSON_SIDE_M, _PERSON_HEIGHT_M
         self._tops: list[np.ndarray | None] = [None] * len(self._looks)
         if site.markers is not None:
@@ -52,9 +66,14 @@ class Renderer:
             self._height_m = max(site.markers.height_m, 1e-3)
             dictionary = site.markers.dictionary
             self._tops = [None if k.marker is None else marker_top(dictionary, k.marker, k.colour) for k in self._looks]
+            self._standing += tuple(_sheet(one, dictionary, self._side_m) for one in laid)
 
     def picture(
-        self, pinhole: Pinhole, places_m: Float[np.ndarray, "targets 2"], headings_rad: Float[np.ndarray, " targets"]
+        self,
+        pinhole: Pinhole,
+        places_m: Float[np.ndarray, "targets 2"],
+        headings_rad: Float[np.ndarray, " targets"],
+        luck: np.random.Generator | None = None,
     ) -> UInt8[np.ndarray, "height width 3"]:
         """What the camera sees, blue, green and red.
 
@@ -62,14 +81,17 @@ class Renderer:
         ----------
         pinhole : Pinhole
         places_m : (targets, 2) float
-            x and y in metres.
+            x and y in metres; nan for those that are not there.
         headings_rad : (targets,) float
             Counter-clockwise from +x.
+        luck : numpy.random.Generator, optional
+            For the noise of this picture, instead of the renderer's own: where several cameras take pictures at once,
+            each with its own draws the same noise whoever comes first.
         """
         canvas = Canvas(pinhole, *self._ground(pinhole))
-        for face in (*self._walls, *self._targets(places_m, headings_rad)):
+        for face in (*self._standing, *self._targets(places_m, headings_rad)):
             canvas.paint(face)
-        return self._sensed(canvas.picture)
+        return self._sensed(canvas.picture, self._rng if luck is None else luck)
 
     def jpeg(
         self,
@@ -77,12 +99,13 @@ class Renderer:
         places_m: Float[np.ndarray, "targets 2"],
         headings_rad: Float[np.ndarray, " targets"],
         compression: int = 20,
+        luck: np.random.Generator | None = None,
     ) -> bytes:
         """The same as a JPEG; ``compression`` goes from 0 to 100, as cameras count it."""
         import cv2
 
         quality = [cv2.IMWRITE_JPEG_QUALITY, max(5, 100 - compression)]
-        _, encoded = cv2.imencode(".jpg", self.picture(pinhole, places_m, headings_rad), quality)
+        _, encoded = cv2.imencode(".jpg", self.picture(pinhole, places_m, headings_rad, luck), quality)
         return encoded.tobytes()
 
     def _targets(
@@ -90,11 +113,24 @@ class Renderer:
     ) -> list[Face]:
         faces: list[Face] = []
         for look, top, place, heading in zip(self._looks, self._tops, places_m, headings_rad, strict=True):
-            faces += box(place, float(heading), self._side_m, self._height_m, look.colour, top)
+            if np.isfinite(place).all():
+                faces += box(place, float(heading), self._side_m, self._height_m, look.colour, top)
         return faces
 
     def _ground(self, pinhole: Pinhole) -> tuple[np.ndarray, np.ndarray]:
-        """The floor up to the horizon, and 1 / depth of every pixel of it."""
+        """The floor up to the horizon, and 1 / depth of every pixel of it; to be painted over.
+
+        Cameras look from the same places again and again, so the last few grounds are kept.
+        """
+        key = pinhole.projection.tobytes(), pinhole.width, pinhole.height
+        ground = self._grounds.pop(key, None) or self._made_ground(pinhole)
+        self._grounds[key] = ground
+        for oldest in list(self._grounds)[:-_MOST_GROUNDS]:
+            self._grounds.pop(oldest, None)
+        picture, inverse_depth = ground
+        return picture.copy(), inverse_depth.copy()
+
+    def _made_ground(self, pinhole: Pinhole) -> tuple[np.ndarray, np.ndarray]:
         import cv2
 
         to_floor = pinhole.homography()
@@ -114,15 +150,27 @@ class Renderer:
         picture[inverse_depth <= 0] = _BEYOND[::-1]
         return picture, np.maximum(inverse_depth, 0.0)
 
-    def _sensed(self, picture: np.ndarray) -> np.ndarray:
+    def _sensed(self, picture: np.ndarray, luck: np.random.Generator) -> np.ndarray:
         """With noise, each time another cutting of one large sheet of it."""
         import cv2
 
         if self._noise == 0:
             return picture
         height, width = picture.shape[:2]
-        if self._sheet is None or self._sheet.shape[0] < height + _SPARE or self._sheet.shape[1] < width + _SPARE:
-            shape = (height + _SPARE, width + _SPARE, 3)
-            self._sheet = np.rint(self._noise * self._rng.standard_normal(shape, dtype=np.float32)).astype(np.int16)
-        top, left = self._rng.integers(0, _SPARE, size=2)
-        return cv2.add(picture, self._sheet[top : top + height, left : left + width], dtype=cv2.CV_8U)
+        top, left = luck.integers(0, _SPARE, size=2)
+        grain = self._grain_of(height + _SPARE, width + _SPARE)
+        return cv2.add(picture, grain[top : top + height, left : left + width], dtype=cv2.CV_8U)
+
+    def _grain_of(self, height: int, width: int) -> np.ndarray:
+        """Noise, the same for pictures of one size, whoever asks for it first."""
+        if (height, width) not in self._grain:
+            rng = np.random.default_rng([self._entropy, height, width])
+            noise = self._noise * rng.standard_normal((height, width, 3), dtype=np.float32)
+            self._grain[height, width] = np.rint(noise).astype(np.int16)
+        return self._grain[height, width]
+
+
+def _sheet(marker: FloorMarker, dictionary: str, side_m: float) -> Face:
+    """A white sheet with a marker in its middle."""
+    texture = marker_top(dictionary, marker.number, _PAPER)
+    return level_square(np.array(marker.place_m), side_m, marker.height_m, _PAPER, texture)

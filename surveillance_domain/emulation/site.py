@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from types import TracebackType
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
 
 from surveillance_domain.cameras.base import Limits
 from surveillance_domain.cameras.clock import Clock
@@ -23,9 +25,11 @@ from surveillance_domain.emulation.virtual_clock import VirtualClock
 from surveillance_domain.emulation.virtual_session import virtual_session
 from surveillance_domain.model.build import motion_parameters
 from surveillance_domain.model.looks import Look, looks
+from surveillance_domain.model.motion import motion_tables
 from surveillance_domain.model.pinhole import pinhole
 from surveillance_domain.site.camera import Camera as CameraDescription
 from surveillance_domain.site.site import Site
+from surveillance_domain.vision.points import FloorMarker
 from surveillance_domain.world.truth import Truth
 from surveillance_domain.world.truth_continuous import ContinuousTruth
 from surveillance_domain.world.truth_grid import GridTruth
@@ -52,11 +56,13 @@ class EmulatedSite:
     rng : numpy.random.Generator
         For truth, pictures, nonces and faults; made from a seed.
     truth : {"grid", "continuous"}
-        Targets move by the model's own chain, or in metres.
+        Targets move by the model's own chain, or in metres; where the site has doors, they come and go.
     smooth : bool, optional
         Between steps targets go straight on instead of jumping; by default if the truth is continuous.
     first_port : int
         0: free ones; otherwise the cameras are served on ports from this one up.
+    laid : sequence of FloorMarker
+        Markers that lie there, where the site has markers.
 
     Attributes
     ----------
@@ -78,12 +84,13 @@ class EmulatedSite:
         truth: Literal["grid", "continuous"] = "continuous",
         smooth: bool | None = None,
         first_port: int = 0,
+        laid: Sequence[FloorMarker] = (),
     ) -> None:
         for_truth, for_pictures, self._for_cameras = rng.spawn(3)
         kind = GridTruth if truth == "grid" else ContinuousTruth
-        start = kind.initial(site.grid, motion_parameters(site), targets, for_truth)
+        start = kind.initial(site.grid, motion_parameters(site), targets, for_truth, _presence(site))
         self.looks: tuple[Look, ...] = looks(site, targets)
-        self._clock, self._renderer = clock, Renderer(site, self.looks, for_pictures)
+        self._clock, self._renderer = clock, Renderer(site, self.looks, for_pictures, laid=laid)
         directions, step_s = site.targets.directions, site.control.step_s
         self._targets = MovingTargets(
             start, step_s, directions, clock, truth == "continuous" if smooth is None else smooth
@@ -140,7 +147,7 @@ class EmulatedSite:
         return description.model_copy(update={**changes, "auth": "auto", "ca_file": None})
 
     def _camera(self, description: CameraDescription, number: int) -> EmulatedCamera:
-        for_nonces, for_faults = self._for_cameras.spawn(2)
+        for_nonces, for_faults, for_noise = self._for_cameras.spawn(3)
         first = description.presets[0]
         speeds = (description.pan_deg_per_s, description.tilt_deg_per_s, description.zoom_per_s)
         pan, tilt, zoom = (math.inf if speed is None else speed for speed in speeds)
@@ -150,7 +157,8 @@ class EmulatedSite:
         guard = Guard(f"AXIS_ACCC8E{number + 1:06X}", USERNAME, PASSWORD, self._clock, for_nonces)
 
         def snapshot(size: tuple[int, int], compression: int) -> bytes:
-            return self._renderer.jpeg(pinhole(description, *motors.true(), size), *self._targets.poses(), compression)
+            view = pinhole(description, *motors.true(), size)
+            return self._renderer.jpeg(view, *self._targets.poses(), compression, for_noise)
 
         size = (description.image.width, description.image.height)
         magnification = tuple((zoom, _half(description, 0) / _half(description, n)) for n, zoom in _zooms(description))
@@ -167,6 +175,14 @@ def emulated_limits(description: CameraDescription) -> Limits:
         used = [getattr(preset, axis) for preset in description.presets]
         ends.append((min(low, *used), max(high, *used)))
     return Limits(*ends)
+
+
+def _presence(site: Site) -> Float[np.ndarray, " places"] | None:
+    """How likely a target is in each free cell, and outside, when it all begins; ``None`` without doors: anywhere."""
+    outside = motion_tables(site.grid, motion_parameters(site)).outside_share if site.targets.doors else None
+    if outside is None:
+        return None
+    return np.append(np.full(site.grid.size, (1 - outside) / site.grid.size), outside)
 
 
 def _zooms(description: CameraDescription) -> list[tuple[int, float]]:

@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from surveillance_domain.site.grid import Grid
 
-__all__ = ["Face", "box", "walls"]
+__all__ = ["Face", "box", "level_square", "walls"]
 
 Colour = tuple[int, int, int]
 
@@ -80,12 +80,23 @@ def box(
     texture: np.ndarray | None,
 ) -> tuple[Face, ...]:
     """A square box on the floor, turned by its heading; its top may bear a texture."""
-    half = side_m / 2
-    corners = np.array([(-half, -half), (half, -half), (half, half), (-half, half)])
+    corners = _square(side_m)
     cosine, sine = np.cos(heading_rad), np.sin(heading_rad)
     ground = corners @ np.array([[cosine, sine], [-sine, cosine]]) + place_m
     sides = [_side(ground, side, height_m, _shaded(colour, 0.8 * shade)) for side, shade in enumerate(_SHADES)]
     return (Face(_at(ground, height_m), colour, texture), *sides)
+
+
+def level_square(
+    place_m: Float[np.ndarray, "2"], side_m: float, height_m: float, colour: Colour, texture: np.ndarray
+) -> Face:
+    """A square that lies level, its sides along the axes of the map; it may bear a texture."""
+    return Face(_at(_square(side_m) + place_m, height_m), colour, texture)
+
+
+def _square(side_m: float) -> Float[np.ndarray, "4 2"]:
+    half = side_m / 2
+    return np.array([(-half, -half), (half, -half), (half, half), (-half, half)])
 
 
 def _shaded(colour: Colour, shade: float) -> Colour:

@@ -74,12 +74,19 @@ def marker_top(dictionary: str, number: int, colour: tuple[int, int, int]) -> np
     -------
     (rows, columns, 3) uint8
         Blue, green, red.
+
+    Raises
+    ------
+    ValueError
+        For a number that the dictionary does not have.
     """
     import cv2
 
     squares = modules(dictionary)
     side = squares * _PIXELS_PER_MODULE
     known = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{dictionary}"))
+    if not 0 <= number < len(known.bytesList):
+        raise ValueError(f"marker {number}: the dictionary {dictionary} has 0 to {len(known.bytesList) - 1}")
     marker = cv2.aruco.generateImageMarker(known, number, side)
     whole = round(side / MARKER_SHARE)
     top = np.full((whole, whole, 3), colour[::-1], dtype=np.uint8)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import heapq
 import itertools
+import math
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, wait
@@ -22,9 +23,16 @@ __all__ = ["StoppedClock", "VirtualClock"]
 
 T = TypeVar("T")
 
+_A_WAIT_S = 0.1
+
 
 class StoppedClock(RuntimeError):
     """Somebody who counts as at work neither sleeps nor ends, so time does not pass for the others."""
+
+
+def _waited(woken: threading.Event, patience_s: float) -> bool:
+    """Whether it is woken in time; short waits are counted, of which a stop of the process uses up but one."""
+    return any(woken.wait(_A_WAIT_S) for _ in range(math.ceil(patience_s / _A_WAIT_S)))
 
 
 class VirtualClock:
@@ -35,7 +43,8 @@ class VirtualClock:
     start_s : float
         The first `now`.
     patience_s : float
-        Real seconds that a sleeper waits to be woken, before it gives up with `StoppedClock`.
+        Real seconds that a sleeper waits to be woken, before it gives up with `StoppedClock`; time in which the whole
+        process is stopped does not count.
     """
 
     def __init__(self, start_s: float = 0.0, patience_s: float = 60.0) -> None:
@@ -63,7 +72,7 @@ class VirtualClock:
             due = self._now + seconds
             heapq.heappush(self._sleepers, (due, next(self._order), woken))
             self._leave()
-        if not woken.wait(self._patience_s):
+        if not _waited(woken, self._patience_s):
             raise StoppedClock(
                 f"the virtual clock stands at {self._now:g} s: somebody who counts as at work neither sleeps nor ends, "
                 "or waits for other threads outside of together()"

@@ -16,7 +16,7 @@ __all__ = ["PATIENCE", "virtual_session"]
 PATIENCE = "X-Emulated-Patience"
 """Header of requests in virtual time: for how many seconds the client waits for an answer."""
 
-_REAL_TIMEOUT_S = 60.0
+_REAL_TIMEOUT_S = 600.0
 
 
 def virtual_session() -> requests.Session:

@@ -57,6 +57,8 @@ class FloorPoint:
         x and y in metres.
     height_m : float
         Above the floor.
+    marker : int or None
+        The number of the marker that it is the middle of, if it is one.
     """
 
     name: str
@@ -64,6 +66,7 @@ class FloorPoint:
     pixel: tuple[float, float]
     place_m: tuple[float, float]
     height_m: float = 0.0
+    marker: int | None = None
 
 
 @dataclass(frozen=True)
@@ -115,7 +118,7 @@ def marked_points(
     """The markers of known places that were seen at a preset."""
     seen = {one.identity: one.pixel for one in detections if isinstance(one.identity, int)}
     return tuple(
-        FloorPoint(f"marker {number} at {preset}", preset, seen[number], marker.place_m, marker.height_m)
+        FloorPoint(f"marker {number} at {preset}", preset, seen[number], marker.place_m, marker.height_m, number)
         for number, marker in markers.items()
         if number in seen
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from surveillance_domain.cameras.base import Health, Move, Outcome, Position
-from surveillance_domain.cameras.errors import CameraError
+from surveillance_domain.cameras.errors import CameraError, without_name
 
 __all__ = ["CameraReport"]
 
@@ -16,6 +16,7 @@ class CameraReport:
 
     Attributes
     ----------
+    camera : str
     health : Health
     sent : str or None
         The preset it was sent to; ``None``: it got no command.
@@ -28,11 +29,12 @@ class CameraReport:
     move_s, look_s : float
         How long they took.
     because : str
-        What went wrong with it, or why it got no command; empty if nothing did.
+        What went wrong with it, or why it got no command, without its name; empty if nothing did.
     fault : str
         The kind of error by its class's name, such as ``LoginRefused``; empty if there was none.
     """
 
+    camera: str
     health: Health
     sent: str | None = None
     outcome: str = ""
@@ -60,5 +62,5 @@ class CameraReport:
 
     def failed(self, problem: CameraError) -> None:
         """Note an error; the first one of a step is kept."""
-        self.because = self.because or str(problem)
+        self.because = self.because or without_name(problem, self.camera)
         self.fault = self.fault or type(problem).__name__

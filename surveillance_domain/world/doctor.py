@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
 from surveillance_domain.cameras.base import Outcome, Picture, Position
@@ -15,6 +15,7 @@ from surveillance_domain.cameras.errors import (
     OutsideLimits,
     Unreachable,
     Untrusted,
+    without_name,
 )
 from surveillance_domain.cameras.mending import mend_of
 from surveillance_domain.cameras.tls import other_scheme
@@ -22,8 +23,11 @@ from surveillance_domain.cameras.vapix import VapixCamera
 from surveillance_domain.model.views import Views
 from surveillance_domain.site.camera import Preset
 from surveillance_domain.site.site import Site
+from surveillance_domain.vision.calibration_file import Calibrated
+from surveillance_domain.vision.ground import preset_at
 from surveillance_domain.vision.points import FloorMarker
 from surveillance_domain.world.doctor_pictures import calibration, markers_known, markers_readable, resolution
+from surveillance_domain.world.doctor_points import points_found
 
 __all__ = ["Check", "Examination"]
 
@@ -68,6 +72,8 @@ class Examination:
         Markers that lie at known places, if any do.
     today : callable
         The time of day (UTC).
+    calibrated : dict
+        What cameras' presets were calibrated from, by camera and preset, to be looked for again.
     """
 
     site: Site
@@ -76,6 +82,7 @@ class Examination:
     moves: bool = True
     markers: Mapping[int, FloorMarker] | None = None
     today: Callable[[], datetime] = lambda: datetime.now(UTC)
+    calibrated: Mapping[str, Mapping[str, Calibrated]] = field(default_factory=dict)
 
     def of(self, camera: VapixCamera, held: bool = False) -> tuple[Check, ...]:
         """All checks of one camera, which is not turned if people hold it."""
@@ -87,7 +94,7 @@ class Examination:
             here = camera.position(_BUDGET_S)
         except LoginRefused as problem:
             yield Check("reachability", True, "answers")
-            yield _failed("authentication", problem)
+            yield _failed("authentication", problem, camera)
             return
         except CameraError as problem:
             yield self._unreached(camera, problem)
@@ -101,21 +108,26 @@ class Examination:
             picture = camera.picture(_BUDGET_S)
             yield Check("snapshot", True, f"a JPEG of {len(picture.jpeg):,} bytes")
         except CameraError as problem:
-            yield _failed("snapshot", problem)
+            yield _failed("snapshot", problem, camera)
         yield from self._of_pictures(camera, picture)
         yield from _others(camera)
         yield from self._clock_check(camera)
-        if self.moves and not held:
-            yield self._move(camera, here)
+        turns = self.moves and not held
+        if turns:
+            moved = self._move(camera, here)
+            turns = moved.ok
+            yield moved
+        yield from self._points(camera, here, turns)
 
     def _unreached(self, camera: VapixCamera, problem: CameraError) -> Check:
         url = camera.description.url or ""
         if isinstance(problem, Untrusted | BadAnswer | Unreachable):
             other = other_scheme(url, camera.description.connect_timeout_s)
             if other is not None:
+                told = without_name(problem, camera.name)
                 right = f"{other}://{url.partition('://')[2]}"
-                return Check("reachability", False, f"{problem}; it speaks {other} at this port: set url = {right!r}")
-        return _failed("reachability", problem)
+                return Check("reachability", False, f"{told}; it speaks {other} at this port: set url = {right!r}")
+        return _failed("reachability", problem, camera)
 
     def _of_pictures(self, camera: VapixCamera, picture: Picture | None) -> Iterator[Check]:
         description = camera.description
@@ -129,11 +141,32 @@ class Examination:
         if self.markers and picture is not None and self.site.markers is not None:
             yield Check("known markers", *markers_known(self.site, description, picture, self.markers))
 
+    def _points(self, camera: VapixCamera, here: Position, turns: bool) -> Iterator[Check]:
+        """Whether what its presets were calibrated from is still seen where it was."""
+        known = self.calibrated.get(camera.name, {})
+        if not known:
+            return
+        description, pictures = camera.description, dict[str, Picture]()
+        standing = preset_at(description, here)
+        try:
+            for preset in description.presets:
+                if preset.name in known and (turns or preset == standing):
+                    there = camera.move(_at(preset), description.move_deadline_s) if turns else None
+                    if there is None or there.outcome is Outcome.REACHED:
+                        pictures[preset.name] = camera.picture(_BUDGET_S)
+        except CameraError as problem:
+            yield _failed("calibration points", problem, camera)
+            return
+        finally:
+            if turns:
+                camera.move(here, description.move_deadline_s)
+        yield Check("calibration points", *points_found(self.site, description, known, pictures))
+
     def _clock_check(self, camera: VapixCamera) -> Iterator[Check]:
         try:
             shown = camera.time_of_day(_BUDGET_S)
         except CameraError as problem:
-            yield _failed("clock", problem)
+            yield _failed("clock", problem, camera)
             return
         if shown is None:
             return
@@ -154,7 +187,7 @@ class Examination:
                     "move", False, "it is moving already: is somebody at its joystick, or a guard tour running?"
                 )
         except CameraError as problem:
-            return _failed("move", problem)
+            return _failed("move", problem, camera)
         elsewhere = [one for one in description.presets if not _at(one).agrees(here, description.tolerance_deg)]
         if not elsewhere:
             return Check("move", True, "its only preset is where it looks")
@@ -176,10 +209,10 @@ def _limits(camera: VapixCamera) -> Check:
     try:
         limits = camera.start(_BUDGET_S)
     except OutsideLimits as problem:
-        return _failed("limits", problem)
+        return _failed("limits", problem, camera)
     except CameraError as problem:
         if camera.limits is None:
-            return _failed("limits", problem)
+            return _failed("limits", problem, camera)
         limits = camera.limits
     ends = {"pan": limits.pan, "tilt": limits.tilt, "zoom": limits.zoom}
     told = ", ".join(f"{axis} {low:g} to {high:g}" for axis, end in ends.items() if end for low, high in (end,))
@@ -212,6 +245,6 @@ def _others(camera: VapixCamera) -> Iterator[Check]:
     )
 
 
-def _failed(name: str, problem: CameraError) -> Check:
-    mend = mend_of(type(problem).__name__)
-    return Check(name, False, f"{problem}; {mend}" if mend else str(problem))
+def _failed(name: str, problem: CameraError, camera: VapixCamera) -> Check:
+    mend, told = mend_of(type(problem).__name__), without_name(problem, camera.name)
+    return Check(name, False, f"{told}; {mend}" if mend else told)

@@ -81,7 +81,10 @@ def calibration(site: Site, camera: Camera, detection: Float[np.ndarray, "preset
     told = f'homography and mount differ by up to {worst:.2f} m on the floor (preset "{where}")'
     if worst <= limit_m:
         return True, told
-    return False, f"{told}, more than half a cell: has the camera been moved? run surveillance calibrate again"
+    return False, (
+        f"{told}, more than half a cell: has the camera been moved? run surveillance calibrate again; where its "
+        "homographies are right, fit its mount too (--mount), for fields of view are worked out from that"
+    )
 
 
 def markers_known(site: Site, camera: Camera, picture: Picture, markers: Mapping[int, FloorMarker]) -> Found:

@@ -60,7 +60,7 @@ class _Node:
     task: Future[Any] | None = None
 
     def __post_init__(self) -> None:
-        self.report = CameraReport(self.camera.health)
+        self.report = CameraReport(self.description.name, self.camera.health)
 
     @property
     def free(self) -> bool:
@@ -167,7 +167,7 @@ class NetworkWorld:
         kept = self._taken()
         going: dict[str, Preset] = {}
         for name, node in self._nodes.items():
-            node.report = CameraReport(node.camera.health)
+            node.report = CameraReport(name, node.camera.health)
             if name in kept:
                 node.report.because = kept[name]
                 if not node.yielding.yields:

@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,6 +17,8 @@ import requests
 from requests.auth import HTTPDigestAuth
 
 pytest.importorskip("cv2")
+
+from surveillance_domain.site.load import load_site
 
 
 @pytest.mark.end_to_end
@@ -70,3 +73,35 @@ def test_a_site_that_is_not_there(surveillance: Callable[..., Any]) -> None:
     answer = surveillance("emulate", "lega", "--seconds", "0.05")
     assert answer.code == 2
     assert "did you mean lego" in answer.err
+
+
+@pytest.mark.end_to_end
+def test_markers_on_the_floor(surveillance: Callable[..., Any], tmp_path: Path) -> None:
+    markers = tmp_path / "markers.csv"
+    markers.write_text("marker,x_m,y_m\n60,1.0,1.0\n")
+    wrong = surveillance("emulate", "lego", "--floor-markers", markers, "--seconds", "0.05")
+    assert (wrong.code, "marker 60: the dictionary 4X4_50 has 0 to 49" in wrong.err) == (2, True)
+    wrong = surveillance("emulate", "hall", "--floor-markers", markers, "--seconds", "0.05")
+    assert (wrong.code, "needs a [markers] table" in wrong.err) == (2, True)
+    markers.write_text("marker,x_m,y_m\n40,1.0,1.0\n")
+    assert surveillance("emulate", "lego", "--floor-markers", markers, "--seconds", "0.05").code == 0
+
+
+@pytest.mark.end_to_end
+def test_a_site_file_that_leads_to_them(surveillance: Callable[..., Any], tmp_path: Path) -> None:
+    path = tmp_path / "desk.toml"
+    words = ("emulate", "lego", "--seconds", "0.05", "--site-out", path)
+    answer = surveillance(*words)
+    assert answer.code == 0, answer.err
+    assert f"Written: {path}. First: export CAM_PASSWORD=emulated" in answer.err
+    found = load_site(path)
+    assert [(c.name, c.username, c.password_env) for c in found.cameras] == [
+        (name, "operator", "CAM_PASSWORD") for name in ("south", "north-west", "north-east")
+    ]
+    assert all(camera.url in answer.out for camera in found.cameras if camera.url)
+    assert "# The paper's real experiment" in path.read_text(encoding="utf-8")
+    again = surveillance(*words)
+    assert (again.code, f"{path} is there already" in again.err) == (2, True)
+    nowhere = surveillance(*words[:-1], tmp_path / "none" / "desk.toml")
+    assert (nowhere.code, "no such file" in nowhere.err) == (2, True)
+    assert [file.name for file in tmp_path.iterdir()] == ["desk.toml"]

@@ -224,9 +224,9 @@ def _made_of(runs: Sequence[PictureRun], site: Site) -> str:
     need not be like that: of the robots in view one step after they were missed in view, pictures show
     {after["pictures"]:.0f} %, drawn detections {after["drawn"]:.0f} %."""
     beyond = f"""*Read in some picture*: at {_span(legible)} % of target-steps some picture shows the robot's marker
-    whole, whether or not its cell is in view of that camera. Fields of view end where a cell's middle leaves the picture, and
-    at the depth that the site file gives; markers are read beyond both. To the model such a sighting is impossible, so
-    it is counted and not used, and does not count as observed here."""
+    whole, whether or not its cell is in view of that camera. Fields of view end where a cell's middle leaves the
+    picture, and at the depth that the site file gives; markers are read beyond both. To the model such a sighting is
+    impossible, so it is counted and not used, and does not count as observed here."""
     return f"What PercentObs is made of, in percent:\n\n{_by_count('', rows)}\n\n{fill(said)}\n\n{fill(beyond)}"
 
 

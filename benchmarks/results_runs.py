@@ -94,7 +94,10 @@ def _run(case: Case, number: int) -> Run:
     if f":{kind}" == KNOWS:
         return Run(100 * knowledge(replace(case, controller=name), number), (), 0)
     setup = case.setup
-    world = simulated_world(surveillance_of(setup), case.truth, case.seed, number)
+    watched = surveillance_of(setup)
+    if name != "msp":  # nobody else reads what static cameras report
+        watched = replace(watched, site=replace(watched.site, static_cameras=()))
+    world = simulated_world(watched, case.truth, case.seed, number)
     world.truth = _way(setup.site, setup.targets, case.truth, case.seed, number)
     believed = replace(setup, site=base_of(setup.site)) if f":{kind}" == UNAWARE else setup
     controller = make_variant(name, surveillance_of(believed), Setting(world, case.steps, number))

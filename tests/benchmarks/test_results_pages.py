@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from importlib import resources
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
+
+from surveillance_domain.control.factory import COMPARED
+from surveillance_domain.experiments.runs import TruthKind, simulate_run
+from surveillance_domain.experiments.setup import Case, Setup, surveillance_of
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 NAMES = ("what", "truth", "site", "targets", "controller", "kappa", "run", "steps", "seed")
@@ -62,6 +67,37 @@ def test_differences_are_paired_over_the_runs_that_both_have(results: ModuleType
     assert found.lead("grid", "hall", 5, "sys", ours="mp").mean == 10.0
     assert found.runs == 3
     assert found.first(1).samples("grid", "hall", 5, "pomdp") == {0: 50.0}
+
+
+@pytest.mark.example
+@pytest.mark.parametrize("truth", ["grid", "continuous"])
+def test_a_world_that_is_remembered_makes_the_same_runs(results: ModuleType, truth: TruthKind) -> None:
+    from results_runs import _run
+
+    for controller in COMPARED:
+        case = Case(Setup("tiny", 2), controller, truth, 10, 7)
+        expected = simulate_run(surveillance_of(case.setup), controller, 10, 7, 1, truth)
+        found = _run(case, 1)
+        assert (found.percent_obs, found.restarts) == (expected.percent_obs, expected.restarts), controller
+
+
+@pytest.mark.example
+def test_a_controller_that_is_unaware_believes_in_the_site_as_it_is(results: ModuleType, tmp_path: Path) -> None:
+    """Targets that never turn: whoever knows it observes more, and one that is unaware of nothing the same."""
+    from results_runs import _run
+
+    def percent(path: Path, controller: str) -> float:
+        return float(
+            np.mean([_run(Case(Setup(str(path), 1), controller, "grid", 40, 0), n).percent_obs for n in range(4)])
+        )
+
+    builtin = resources.files("surveillance_domain.site") / "builtin" / "hall.toml"
+    same, straight = tmp_path / "hall_none_0.toml", tmp_path / "hall_sigma_0.toml"
+    same.write_text(builtin.read_text(encoding="utf-8"), encoding="utf-8")
+    text = builtin.read_text(encoding="utf-8").replace("sigma_direction_deg = 30", "sigma_direction_deg = 0")
+    straight.write_text(text, encoding="utf-8")
+    assert percent(same, "pomdp:unaware") == percent(same, "pomdp")
+    assert percent(straight, "pomdp:unaware") < percent(straight, "pomdp")
 
 
 @pytest.mark.example
@@ -183,6 +219,8 @@ def test_the_command_makes_every_page_and_goes_on_from_what_is_kept(
         raise AssertionError("what was kept was simulated again")
 
     monkeypatch.setattr("results_runs._run", refused)
+    for drawing in ("draw_figures", "draw_sensitivity", "draw_people"):
+        monkeypatch.setattr(results, drawing, lambda *_: None)
     monkeypatch.setattr("sys.argv", [*command, "--only", "sensitivity"])
     results.main()
     assert (work / "runs.jsonl").read_text() == kept

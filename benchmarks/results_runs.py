@@ -29,7 +29,10 @@ from surveillance_domain.experiments.knowledge import knowledge
 from surveillance_domain.experiments.runs import Run, TruthKind, run_of, simulated_world
 from surveillance_domain.experiments.setup import Case, Setup, surveillance_of
 from surveillance_domain.experiments.variants import make_variant
+from surveillance_domain.model.build import motion_parameters
+from surveillance_domain.world.grid_chain import GridChain
 from surveillance_domain.world.truth import Truth
+from surveillance_domain.world.truth_grid import GridTruth
 
 KNOWS, UNAWARE = ":knows", ":unaware"
 Wanted = tuple[Case, int]
@@ -106,7 +109,16 @@ def _run(case: Case, number: int) -> Run:
 
 @lru_cache(maxsize=_WORLDS)
 def _way(site: str, targets: int, truth: TruthKind, seed: int, number: int) -> Remembered:
-    return Remembered(simulated_world(surveillance_of(Setup(site, targets)), truth, seed, number).truth)
+    """Where the targets of a world go."""
+    start = simulated_world(surveillance_of(Setup(site, targets)), truth, seed, number).truth
+    return Remembered(replace(start, chain=_chain(site)) if isinstance(start, GridTruth) else start)
+
+
+@lru_cache(maxsize=4)
+def _chain(site: str) -> GridChain:
+    """The moves that targets can make at a site, worked out as they are met, once for all worlds."""
+    found = surveillance_of(Setup(site, 1)).site
+    return GridChain(found.grid, motion_parameters(found))
 
 
 @dataclass(frozen=True, eq=False)

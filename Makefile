@@ -41,9 +41,10 @@ docs: .venv/.installed-dev ## build the documentation site into out/site; a warn
 bench: .venv/.installed-bench ## measure speed, against the rivals too
 	$(BIN)/python -m benchmarks.run
 
-results: .venv/.installed-core ## make the pages of results anew: a few runs a point, or with FULL=1 as published (hours)
+results: .venv/.installed-$(if $(FULL),dev,core) ## make the pages of results anew: a few runs a point, or with FULL=1 as published (hours)
 	$(BIN)/python benchmarks/results.py $(if $(FULL),--full)
 	$(if $(FULL),$(BIN)/python benchmarks/results_myopia.py)
+	$(if $(FULL),$(BIN)/python benchmarks/results_pictures.py)
 
 notebook: .venv/.installed-notebooks ## open the notebooks
 	$(BIN)/jupyter notebook --notebook-dir=notebooks

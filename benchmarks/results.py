@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 
 import results_myopia_text
+import results_pictures_text
 from results_figures import draw_figures
 from results_people import PEOPLE, SCENES, learn_and_watch, missing
 from results_people_figures import draw_people
@@ -37,7 +38,7 @@ PROJECT = Path(__file__).parents[1]
 DOCS = PROJECT / "docs"
 TRAJECTORIES = PROJECT.parent / "shared" / "data" / "trajectories"
 EXTENT = Extent()
-SECTIONS = (results_myopia_text.section,)
+SECTIONS = (results_myopia_text.section, results_pictures_text.section)
 """Of others, at the end of docs/results.md; empty where their data is not there."""
 
 

@@ -27,7 +27,7 @@ from surveillance_domain.experiments.jobs import Finished, Job, blocks
 from surveillance_domain.experiments.kept_runs import KeptRuns
 from surveillance_domain.experiments.knowledge import knowledge
 from surveillance_domain.experiments.runs import Run, TruthKind, run_of, simulated_world
-from surveillance_domain.experiments.setup import Case, Setup, surveillance_of
+from surveillance_domain.experiments.setup import Case, Setup, site_of, surveillance_of
 from surveillance_domain.experiments.variants import make_variant
 from surveillance_domain.model.build import motion_parameters
 from surveillance_domain.world.grid_chain import GridChain
@@ -117,7 +117,7 @@ def _way(site: str, targets: int, truth: TruthKind, seed: int, number: int) -> R
 @lru_cache(maxsize=4)
 def _chain(site: str) -> GridChain:
     """The moves that targets can make at a site, worked out as they are met, once for all worlds."""
-    found = surveillance_of(Setup(site, 1)).site
+    found = site_of(Setup(site, 1))
     return GridChain(found.grid, motion_parameters(found))
 
 

@@ -10,6 +10,7 @@ __all__ = [
     "LoginRefused",
     "OutsideLimits",
     "Refused",
+    "TooLate",
     "Unreachable",
     "Untrusted",
     "without_name",
@@ -22,6 +23,10 @@ class CameraError(Exception):
 
 class Unreachable(CameraError):
     """No answer, or a passing failure (502, 503, 504): worth another try."""
+
+
+class TooLate(Unreachable):
+    """No answer, or no whole one, in the time that there was for it."""
 
 
 class CameraAway(Unreachable):

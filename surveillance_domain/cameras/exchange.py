@@ -14,7 +14,15 @@ from http.client import HTTPException
 from typing import TYPE_CHECKING
 
 from surveillance_domain.cameras.clock import Clock
-from surveillance_domain.cameras.errors import BadAnswer, CameraError, LoginRefused, Refused, Unreachable, Untrusted
+from surveillance_domain.cameras.errors import (
+    BadAnswer,
+    CameraError,
+    LoginRefused,
+    Refused,
+    TooLate,
+    Unreachable,
+    Untrusted,
+)
 from surveillance_domain.cameras.rests import Lockout
 
 if TYPE_CHECKING:
@@ -119,7 +127,7 @@ class Exchange:
                 f"{self._name}: no TLS with {self._url} ({_root(error)}); is ca_file its certificate's?"
             )
         except (requests.exceptions.Timeout, TimeoutError):
-            failure = Unreachable(f"{self._name}: no answer from {self._url} in time")
+            failure = TooLate(f"{self._name}: no answer from {self._url} in time")
         except (requests.exceptions.ConnectionError, requests.exceptions.ChunkedEncodingError, HTTPError) as error:
             failure = Unreachable(f"{self._name}: no answer from {self._url} ({_root(error)})")
         except (OSError, HTTPException) as error:
@@ -131,7 +139,7 @@ class Exchange:
     def _ask(self, path: str, query: Mapping[str, str], until: float, most_bytes: int) -> Answer:
         left = until - self._clock.now()
         if left <= 0:
-            raise Unreachable(f"{self._name}: no time left to ask {self._url}")
+            raise TooLate(f"{self._name}: no time left to ask {self._url}")
         connect_s, read_s = (min(limit, left) for limit in self._timeouts_s)
         response = self._session.get(
             self._url + path,
@@ -182,7 +190,7 @@ class Exchange:
                 if len(body) > most_bytes:
                     raise BadAnswer(f"{self._name}: an answer of more than {most_bytes:,} bytes")
         if cut.is_set() or self._clock.now() > until:
-            raise Unreachable(f"{self._name}: the answer did not end in time")
+            raise TooLate(f"{self._name}: the answer did not end in time")
         return bytes(body)
 
 

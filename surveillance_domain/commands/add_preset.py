@@ -24,6 +24,7 @@ def add_preset(
     from surveillance_domain.commands.one_camera import described_camera, opened_camera
     from surveillance_domain.site import editing
     from surveillance_domain.site.load import load_site
+    from surveillance_domain.vision.ground import preset_at
 
     with input_checked():
         found = load_site(site)
@@ -33,6 +34,12 @@ def add_preset(
         raise InputError(f"camera {camera!r} has a preset {name!r} already; give another name")
     with opened_camera(found, description) as driver:
         position = driver.position(_BUDGET_S)
+    standing = preset_at(description, position)
+    if standing is not None:
+        raise InputError(
+            f"camera {camera!r} stands at its preset {standing.name!r}: turn it to where {name!r} is to be, "
+            "and try again"
+        )
     if position.zoom is None:
         raise InputError(f"camera {camera!r} does not tell its zoom; write the preset into {path} by hand")
     preset = {"name": name, "pan": position.pan, "tilt": position.tilt, "zoom": position.zoom}

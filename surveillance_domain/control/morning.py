@@ -11,6 +11,7 @@ from typing import Any
 from surveillance_domain.cameras.base import HealthState, Outcome
 from surveillance_domain.cameras.errors import LoginRefused
 from surveillance_domain.cameras.mending import mend_of
+from surveillance_domain.world.yielding import HELD, MOVED
 
 __all__ = ["Morning", "Series", "Spell"]
 
@@ -157,13 +158,14 @@ class Morning:
         else:
             spell.steps += 1
             spell.seconds += self._step_s
-            if not spell.mend and not key[1]:
-                spell.because, spell.mend = _cause(step["cameras"][key[0]], held=False)
+            if not (spell.because if key[1] else spell.mend):
+                spell.because, spell.mend = _cause(step["cameras"][key[0]], held=key[1])
 
     def _close(self, key: tuple[str, bool], over: bool) -> None:
         spell = self._open.pop(key)
         spell.over = over
         if key[1]:
+            spell.because = spell.because or HELD
             self.holds.append(spell)
         elif spell.steps <= _SHORT_STEPS and over:
             self.short[key[0]] = self.short.get(key[0], 0) + spell.steps
@@ -184,8 +186,8 @@ class Morning:
 def _cause(camera: Mapping[str, Any], held: bool) -> tuple[str, str]:
     """Why a camera gave no view, or got no commands, and what would mend that."""
     because = str(camera["because"])
-    if held:
-        return because or "held", ""
+    if held:  # in the step in which it was taken, that is not told yet, and something else may have gone wrong
+        return because if because in (HELD, MOVED) else "", ""
     if camera["fault"]:
         locked_out = camera["state"] == HealthState.LOCKED_OUT
         return because, mend_of(LoginRefused.__name__ if locked_out else camera["fault"])

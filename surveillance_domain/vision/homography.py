@@ -59,7 +59,10 @@ def fit_homography(camera: Camera, preset: str, points: Sequence[FloorPoint]) ->
     cv2 = opencv()
     mine = [point for point in points if point.preset == preset]
     if len(mine) < LEAST_POINTS:
-        raise CalibrationError(f'preset "{preset}": {len(mine)} points; a homography takes at least {LEAST_POINTS}')
+        raise CalibrationError(
+            f'preset "{preset}": {len(mine)} points; a homography takes at least {LEAST_POINTS}: give more that it '
+            "sees, or fit the mount for all presets (--mount), which takes fewer"
+        )
     position = np.asarray(camera.mount.position_m, dtype=float)
     pixels, floor = np.array([point.pixel for point in mine]), _on_floor(mine, position)
     if _flatness(floor) < _FLAT or _flatness(pixels) < _FLAT:

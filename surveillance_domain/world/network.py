@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 
 from surveillance_domain.cameras.base import Camera, Move, Outcome, Position
 from surveillance_domain.cameras.clock import Clock
-from surveillance_domain.cameras.errors import CameraError, Unreachable
+from surveillance_domain.cameras.errors import CameraError, TooLate
 from surveillance_domain.model.reachability import longest_move_s
 from surveillance_domain.site.camera import Camera as CameraDescription
 from surveillance_domain.site.camera import Preset
@@ -149,7 +149,7 @@ class NetworkWorld:
         found = self._together(tasks, self._clock.now() + budget_s)
         faults: dict[str, CameraError] = {}
         for name, node in self._nodes.items():
-            problem = found.get(name, Unreachable(f"{name}: no answer in time"))
+            problem = found.get(name, TooLate(f"{name}: no answer in time"))
             if problem is not None:
                 faults[name] = problem
                 node.report.failed(problem)
@@ -241,7 +241,7 @@ class NetworkWorld:
             if future.done():
                 done[name] = future.result()
         for name in tasks.keys() - done.keys():
-            self._nodes[name].report.failed(Unreachable(f"{name}: no answer in time"))
+            self._nodes[name].report.failed(TooLate(f"{name}: no answer in time"))
         return done
 
     def _turn(self, node: _Node, preset: Preset, until: float) -> Move:

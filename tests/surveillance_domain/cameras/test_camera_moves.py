@@ -110,7 +110,7 @@ def test_a_camera_that_is_away_is_unreachable(fault: str) -> None:
         before = pair.clock.now()
         move = pair.driver.move(pair.right, 1.5)
         assert move.outcome is Outcome.UNREACHABLE
-        assert move.because.startswith("http://")
+        assert "http://" in move.because
         assert "north" not in move.because
         assert pair.clock.now() - before <= 1.5
 

@@ -235,6 +235,8 @@ def test_a_camera_is_turned_from_preset_to_preset_and_back(
         assert added.json["preset"] == {"name": "door", "pan": -50.0, "tilt": -35.0, "zoom": 1.0}  # where it was before
         again = surveillance("add-preset", lego, "south", "door")
         assert (again.code, "already" in again.err) == (2, True)
+        again = surveillance("add-preset", lego, "south", "gate")
+        assert (again.code, "stands at its preset 'door'" in again.err) == (2, True)
     door = load_site(lego).cameras[0].presets[-1]
     assert (door.name, door.pan, door.tilt, door.zoom) == ("door", -50.0, -35.0, 1.0)
     assert [len(camera.presets) for camera in load_site(lego).cameras] == [4, 3, 3]

@@ -1,0 +1,64 @@
+"""What a night came to, from the lines of its record."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from surveillance_domain.control.morning import Morning
+
+
+def header() -> dict[str, Any]:
+    return {"kind": "header", "run": "2026-01-31T22:00:00+00:00", "step_s": 1.5, "site": "lego", "emulated": False}
+
+
+def step(number: int, view: str | None, held: bool = False, **camera: object) -> dict[str, Any]:
+    told = {"because": "", "fault": "", "outcome": "", "position": None, "state": "ready", **camera}
+    return {
+        "kind": "step",
+        "step": number,
+        "time_s": 1.5 * number,
+        "written": f"2026-01-31T22:00:{number:02d}+00:00",
+        "views": {"north": view},
+        "held": ["north"] if held else [],
+        "cameras": {"north": told},
+        "without_identity": 0,
+        "out_of_view": 0,
+        "observations": {},
+        "unknown": {},
+        "value": 0.0,
+    }
+
+
+def summed(*steps: dict[str, Any]) -> Morning:
+    morning = Morning()
+    for line in (header(), *steps):
+        morning.take(line)
+    morning.end()
+    return morning
+
+
+@pytest.mark.example
+@pytest.mark.parametrize("why", ["held", "moved by somebody else"])
+def test_why_people_had_a_camera_is_told_even_if_the_first_step_does_not_tell_it(why: str) -> None:
+    """In the first step a look failed, or nothing was told; from the second on it says why it gets no commands."""
+    for first in ("the answer did not end in time", ""):
+        later = [step(n, "left", held=True, because=why) for n in (2, 3)]
+        morning = summed(step(1, None, held=True, because=first, fault="TooLate" if first else ""), *later)
+        (spell,) = morning.holds
+        assert (spell.because, spell.steps, spell.seconds, spell.over) == (why, 3, 4.5, False)
+        assert morning.outages == []
+    (spell,) = summed(step(1, "left", held=True), step(2, "left")).holds
+    assert (spell.because, spell.over) == ("held", True)
+
+
+@pytest.mark.example
+def test_an_outage_has_its_cause_and_mend() -> None:
+    late = [step(n, None, because="the answer did not end in time", fault="TooLate") for n in (2, 3, 4)]
+    morning = summed(step(1, "left"), *late, step(5, "left"), step(6, None), step(7, "left"))
+    (spell,) = morning.outages
+    assert (spell.camera, spell.first, spell.steps, spell.seconds, spell.over) == ("north", 2, 3, 4.5, True)
+    assert spell.because == "the answer did not end in time"
+    assert "a longer step_s" in spell.mend
+    assert morning.short == {"north": 1}

@@ -23,7 +23,7 @@ _BEYOND = (90, 84, 78)
 _PERSON_SIDE_M, _PERSON_HEIGHT_M = 0.45, 1.7
 _PAPER = (255, 255, 255)
 _SPARE = 256
-_MOST_GROUNDS = 12
+_MOST_FLOORS = 12
 
 
 class Renderer:
@@ -56,7 +56,7 @@ class Renderer:
         self._looks, self._rng, self._noise = tuple(looks), rng, noise
         self._grain: dict[tuple[int, int], np.ndarray] = {}
         self._floor = floor(site.grid, rng)
-        self._grounds: dict[tuple[bytes, int, int], tuple[np.ndarray, np.ndarray]] = {}
+        self._floors: dict[tuple[bytes, int, int], np.ndarray] = {}
         self._entropy = int(rng.integers(2**63))
         self._standing = walls(site.grid, _WALL_M, _WALL)
         self._side_m, self._height_m = _PERSON_SIDE_M, _PERSON_HEIGHT_M
@@ -120,35 +120,35 @@ class Renderer:
     def _ground(self, pinhole: Pinhole) -> tuple[np.ndarray, np.ndarray]:
         """The floor up to the horizon, and 1 / depth of every pixel of it; to be painted over.
 
-        Cameras look from the same places again and again, so the last few grounds are kept.
+        Cameras look from the same places again and again, so the last few floors are kept.
         """
+        to_floor = pinhole.homography()
+        u, v = np.arange(pinhole.width), np.arange(pinhole.height)
+        inverse_depth = to_floor[2, 0] * u[None, :] + to_floor[2, 1] * v[:, None] + to_floor[2, 2]
         key = pinhole.projection.tobytes(), pinhole.width, pinhole.height
-        ground = self._grounds.pop(key, None) or self._made_ground(pinhole)
-        self._grounds[key] = ground
-        for oldest in list(self._grounds)[:-_MOST_GROUNDS]:
-            self._grounds.pop(oldest, None)
-        picture, inverse_depth = ground
-        return picture.copy(), inverse_depth.copy()
+        seen = self._floors.pop(key, None)
+        if seen is None:
+            seen = self._seen_floor(to_floor, (pinhole.width, pinhole.height))
+            seen[inverse_depth <= 0] = _BEYOND[::-1]
+        self._floors[key] = seen
+        for oldest in list(self._floors)[:-_MOST_FLOORS]:
+            self._floors.pop(oldest, None)
+        return seen.copy(), np.maximum(inverse_depth, 0.0)
 
-    def _made_ground(self, pinhole: Pinhole) -> tuple[np.ndarray, np.ndarray]:
+    def _seen_floor(self, to_floor: Float[np.ndarray, "3 3"], size: tuple[int, int]) -> np.ndarray:
         import cv2
 
-        to_floor = pinhole.homography()
         (x, y), scale = self._floor.corner_m, self._floor.px_per_m
         rows = self._floor.texture.shape[0]
         to_texture = np.array([[scale, 0, -x * scale - 0.5], [0, -scale, rows + y * scale - 0.5], [0, 0, 1]]) @ to_floor
-        picture = cv2.warpPerspective(
+        return cv2.warpPerspective(
             self._floor.texture,
             to_texture,
-            (pinhole.width, pinhole.height),
+            size,
             flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
             borderMode=cv2.BORDER_CONSTANT,
             borderValue=_BEYOND[::-1],
         )
-        u, v = np.arange(pinhole.width), np.arange(pinhole.height)
-        inverse_depth = to_floor[2, 0] * u[None, :] + to_floor[2, 1] * v[:, None] + to_floor[2, 2]
-        picture[inverse_depth <= 0] = _BEYOND[::-1]
-        return picture, np.maximum(inverse_depth, 0.0)
 
     def _sensed(self, picture: np.ndarray, luck: np.random.Generator) -> np.ndarray:
         """With noise, each time another cutting of one large sheet of it."""

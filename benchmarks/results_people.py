@@ -93,7 +93,10 @@ class Watched(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """What was learned for a scene on the others, and what it foretells there, in nats a step."""
+    """What was learned for a scene on the others, and what it foretells there, in nats a step.
+
+    ``faster``: share of the scene's moves that are faster than the fastest speed learned, in percent.
+    """
 
     scene: str
     learned_on: str
@@ -106,6 +109,7 @@ class Fit(NamedTuple):
     random_walk: float
     constant_velocity: float
     judged_steps: int
+    faster: float
 
 
 def missing(scenes: Sequence[Scene], data: Path) -> list[Path]:
@@ -136,13 +140,13 @@ def learned_elsewhere(scene: Scene, scenes: Sequence[Scene], data: Path) -> tupl
     site = load_site(scene.site)
     step_s = site.control.step_s
     fit = fit_motion(transitions(tracks, step_s))
-    judged = held_out_log_likelihood(
-        fit, transitions(scene.tracks(data), step_s), site.grid.cell_m, site.targets.directions
-    )
+    here = transitions(scene.tracks(data), step_s)
+    judged = held_out_log_likelihood(fit, here, site.grid.cell_m, site.targets.directions)
+    faster = 100 * float((here.moves_mps > max(fit.speeds_mps)).mean())
     speeds = " ".join(f"{speed:.2f}" for speed in fit.speeds_mps)
     people = len({track.name for track in tracks})
     learned_on = "+".join(other.name for other in others)
-    scores = (judged.model, judged.on_grid, judged.random_walk, judged.constant_velocity, judged.steps)
+    scores = (judged.model, judged.on_grid, judged.random_walk, judged.constant_velocity, judged.steps, faster)
     return fit, Fit(scene.name, learned_on, people, fit.sigma_direction_deg, fit.sigma_speed_mps, speeds, *scores)
 
 

@@ -29,7 +29,8 @@ _MISSED = """What is missed, in shares of target-steps: *unmet*, people who have
 window so far; *lost*, people who were seen before. Of the unmet a belief knows no more than that they come in by a
 door; a motion model helps with the lost. *Restarts*: sightings that P's belief called impossible, in a thousand
 target-steps."""
-_FORETOLD = """Log-likelihood of the cell of the next position, in nats a step, in the scene for which it was learned
+_FORETOLD = """*Faster*: share of the moves in the scene that are faster than the fastest speed learned for it.
+Then the log-likelihood of the cell of the next position, in nats a step, in the scene for which it was learned
 (towards 0 is better): of the model, of the same on the grid with 8 directions as the belief has it, of a random walk
 and of constant velocity (these two with widths from the scene of learning, too)."""
 _DATA = """Recordings: S. Pellegrini, A. Ess, K. Schindler, L. van Gool, *You'll never walk alone* (ICCV 2009), and
@@ -140,7 +141,18 @@ def _missed(people: People, scenes: Sequence[Scene]) -> str:
             again = f"{1000 * restarts / present:.1f}" if name.startswith("pomdp") else ""
             rows.append([scene.name, NAMES[name], f"{100 - sum(shares):.1f}", *(f"{one:.1f}" for one in shares), again])
     made = table(["scene", "controller", "observed", "unmet", "lost", "restarts"], rows, 2)
-    return "\n\n".join(["## What is missed", fill(_MISSED), made])
+    told = " ".join(_against_msp(people, scene.name) for scene in scenes)
+    return "\n\n".join(["## What is missed", fill(_MISSED), made, fill(told)])
+
+
+def _against_msp(people: People, scene: str) -> str:
+    """Of what the difference between P and MSP is made."""
+    unmet, lost = (people.share(scene, "pomdp", what) - people.share(scene, "msp", what) for what in ("unmet", "lost"))
+    left, gone = (f"{abs(points):.1f} {'more' if points > 0 else 'fewer'}" for points in (unmet, lost))
+    amount = f"{abs(unmet + lost):.1f} points {'less' if unmet + lost > 0 else 'more'}"
+    return (
+        f"In {scene} P observes {amount} than MSP, in shares of target-steps: it leaves {left} unmet and loses {gone}."
+    )
 
 
 def _learned(people: People, scenes: Sequence[Scene]) -> str:
@@ -153,7 +165,8 @@ def _learned(people: People, scenes: Sequence[Scene]) -> str:
         scores = [f"{float(fit[name]):.3f}" for name in ("model", "on_grid", "random_walk", "constant_velocity")]
         others = words(titles[name] for name in fit["learned_on"].split("+"))
         speeds = fit["speeds_mps"].replace(" ", ", ")
-        rows.append([titles[fit["scene"]], f"{others}, {fit['people']} people", speeds, *numbers, *scores])
-    heads = ["for", "learned on", "speeds (m/s)", "σ direction (°)", "σ speed (m/s)"]
+        faster = f"{float(fit['faster']):.0f} %"
+        rows.append([titles[fit["scene"]], f"{others}, {fit['people']} people", speeds, *numbers, faster, *scores])
+    heads = ["for", "learned on", "speeds (m/s)", "σ direction (°)", "σ speed (m/s)", "faster"]
     made = table([*heads, "model", "on the grid", "random walk", "constant velocity"], rows, 3)
     return "\n\n".join(["## What was learned", made, fill(_FORETOLD)])

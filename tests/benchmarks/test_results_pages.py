@@ -191,10 +191,8 @@ def test_of_people_what_fails_is_said_first(results: ModuleType) -> None:
     assert text.index("- undecided: eth: P above Stat, +0.0 ± 0.0") < text.index("- holds: eth: P above MP, +5.0 ± 0.0")
     # 100 target-steps with nobody unmet, 200 with 30 %; 6 restarts in 300.
     assert "| eth | P | 70.0 | 20.0 | 10.0 | 20.0 |" in text
-    assert (
-        "In eth P observes 5.0 points less than MSP, in shares of target-steps: it leaves 6.0 more unmet and loses 1.0 fewer."
-        in text
-    )
+    assert "In eth P observes 5.0 points less than MSP, in shares of target-steps" in text
+    assert "it leaves 6.0 more unmet and loses 1.0 fewer." in text
     assert f"| ETH, seq_eth | {zara.title}, 148 people | 0.20, 1.30 | 9.9 | 0.14 | 61 % | -1.000 | -2.000 |" in text
 
 

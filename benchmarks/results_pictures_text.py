@@ -172,9 +172,9 @@ def _ceiling(runs: Sequence[PictureRun]) -> str:
     tops = [_percent(runs, "clairvoyant-perfect", count) for count in COUNTS]
     beyond = [str(count) for count, paper, top in zip(COUNTS, PAPER, tops, strict=True) if paper > top.high]
     if len(beyond) == len(COUNTS):
-        head = "**On this layout no controller can reach the paper's figures, with any number of robots.**"
+        head = "**With these fields of view no controller can reach the paper's figures, with any number of robots.**"
     elif beyond:
-        head = f"**On this layout no controller can reach the paper's figures for m = {', '.join(beyond)}.**"
+        head = f"**With these fields of view no controller can reach the paper's figures for m = {', '.join(beyond)}.**"
     else:
         head = "The paper's figures lie within what this layout allows."
     ladder = ("clairvoyant-perfect", "simulated-perfect", "pictures")
@@ -185,7 +185,7 @@ def _ceiling(runs: Sequence[PictureRun]) -> str:
         f"""{head} The clairvoyant knows where every robot will be and has perfect eyes: it observes
         {tops[0].mean:.1f} % with one robot and {tops[-1].mean:.1f} % with five. Of the {_span(whole)} points between
         the paper and P through pictures, {_span(beyond_reach)} lie above the clairvoyant: no choice of presets can gain
-        them where these cameras stand and these robots drive. {_span(not_known)} lie between
+        them where these cameras stand, see so far, and these robots drive. {_span(not_known)} lie between
         the clairvoyant and P with perfect eyes, and
         {_span(eyes)} are what eyes and pictures cost. The paper prints neither the size of its cells nor where its
         cameras stood; to enlarge fields of view until the numbers meet would prove nothing, so it was not done."""
@@ -215,7 +215,7 @@ def _made_of(runs: Sequence[PictureRun], site: Site) -> str:
         rows.append((f"{name}: seen, of those in view", [f"{value:.1f}" for value in seen[row]]))
         flat = [one for some in of for one in some]
         after[row] = _share([one.then_seen for one in flat], [one.missed for one in flat])
-    legible = [float(np.mean([one.legible for one in _of(runs, "pictures", count).values()])) for count in COUNTS]
+    legible = _legible(runs)
     rows.insert(2, ("the same: read in some picture, in view or not", [f"{value:.1f}" for value in legible]))
     said = f"""*In view*: share of target-steps at which the robot's cell is in the view of a camera, as the model has
     it; *seen*: of those, at which it is reported. A cell may be in view of two cameras, so even of drawn detections
@@ -228,6 +228,11 @@ def _made_of(runs: Sequence[PictureRun], site: Site) -> str:
     picture, and at the depth that the site file gives; markers are read beyond both. To the model such a sighting is
     impossible, so it is counted and not used, and does not count as observed here."""
     return f"What PercentObs is made of, in percent:\n\n{_by_count('', rows)}\n\n{fill(said)}\n\n{fill(beyond)}"
+
+
+def _legible(runs: Sequence[PictureRun]) -> list[float]:
+    """Shares of target-steps at which a marker was read in some picture, by number of robots."""
+    return [float(np.mean([one.legible for one in _of(runs, "pictures", count).values()])) for count in COUNTS]
 
 
 def _share(parts: Sequence[float], wholes: Sequence[float]) -> float:
@@ -248,6 +253,9 @@ def draw_table(runs: Sequence[PictureRun]) -> Figure:
         if "marker" in look and np.isfinite(halves).all():
             axes.errorbar(COUNTS, means, halves, fmt="none", ecolor=look["color"], elinewidth=1.0, capsize=2.5)
         axes.plot(COUNTS, means, label=NAMES[row].strip("*"), **look)
+    legible = _legible(runs)
+    hollow = {"color": _BLUE, "linestyle": ":", "marker": "o", "markerfacecolor": "white", "markersize": 4.5}
+    axes.plot(COUNTS, legible, label="pictures: marker read, in view or not", **hollow)
     for count in COUNTS:
         dots = _percent(runs, "pictures", count).samples
         axes.plot([count + 0.06] * len(dots), dots, ".", color=_BLUE, markersize=2.5, alpha=0.4)

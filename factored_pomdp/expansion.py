@@ -22,7 +22,7 @@ from factored_pomdp.factors import DenseFactor, DeterministicFactor, Factor, Noi
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.variables import Value, Variable, count
 
-__all__ = ["Joint", "estimate", "joint"]
+__all__ = ["Joint", "branching", "estimate", "joint"]
 
 MOST_BYTES = 4_000_000_000
 """What an expansion may take unless the caller says otherwise."""
@@ -101,14 +101,14 @@ def joint(model: FactoredPOMDP, most_bytes: int = MOST_BYTES) -> Joint:
 
 def estimate(model: FactoredPOMDP) -> int:
     """Bytes that `joint` may take at the most: matrices of all actions, and the largest product on the way."""
-    moves = model.joint_states * math.prod(_branching(f, f"{x}.next") for x, f in model.transition.items())
-    views = model.joint_states * math.prod(_branching(f, o) for o, f in model.observation.items())
+    moves = model.joint_states * math.prod(branching(f, f"{x}.next") for x, f in model.transition.items())
+    views = model.joint_states * math.prod(branching(f, o) for o, f in model.observation.items())
     stored = 12 * (moves + views) + 16 * model.joint_states
     entry = 8 * (len(model.states) + max(len(model.states), len(model.observations)) + 1)
     return model.joint_actions * stored + _COPIES * entry * max(moves, views) + 100 * model.joint_observations
 
 
-def _branching(factor: Factor, child: str) -> int:
+def branching(factor: Factor, child: str) -> int:
     """The largest number of values of the child that are possible at any one assignment of its parents."""
     variable = factor.variable(child)
     if isinstance(factor, DeterministicFactor) and factor.child == variable:

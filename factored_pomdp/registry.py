@@ -98,7 +98,7 @@ def _load(group: str, name: str) -> Any:
         raise ValueError(f"no {what} {name!r} is installed{did_you_mean(name, sorted(found))}")
     try:
         return found[name].load()
-    except Exception as problem:
+    except (Exception, SystemExit) as problem:
         raise ValueError(f"{what} {name!r} ({_origin(found[name])}) cannot be loaded: {_said(problem)}") from problem
 
 
@@ -113,7 +113,7 @@ def _entries(group: str) -> list[tuple[str, str, str, str | None, Callable[[], A
         else:
             try:
                 summary = _first_line(point.load())
-            except Exception as problem:
+            except (Exception, SystemExit) as problem:  # a plugin may say exit()
                 error = _said(problem)
         found.append((point.name, summary, _origin(point), error, point.load))
     return found
@@ -130,7 +130,7 @@ def _origin(point: Any) -> str:
     return f"{point.dist.name} {point.dist.version}" if point.dist is not None else "unknown distribution"
 
 
-def _said(problem: Exception) -> str:
+def _said(problem: BaseException) -> str:
     return f"{type(problem).__name__}: {problem}"
 
 

@@ -6,13 +6,16 @@ product belief, mass in terminal states is left out: whoever acts is told that t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from factored_pomdp.errors import ImpossibleObservation
+from factored_pomdp.errors import ImpossibleObservation, TooLarge
+from factored_pomdp.expansion import branching
 from factored_pomdp.factors import DenseFactor, Factor
+from factored_pomdp.factors.base import MAX_ENTRIES
 from factored_pomdp.factors.dense import constant
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.structure import GOES_ON
@@ -42,7 +45,19 @@ class JointBelief:
 
     @classmethod
     def initial(cls, model: FactoredPOMDP, sparse: bool = False) -> JointBelief:
-        """The model's initial belief, multiplied out, given that the episode does not end at once."""
+        """The model's initial belief, multiplied out, given that the episode does not end at once.
+
+        Raises
+        ------
+        TooLarge
+            With the number of joint states that may be possible, before anything is allocated.
+        """
+        possible = math.prod(branching(factor, name) for name, factor in model.initial.items())
+        if (possible if sparse else model.joint_states) > MAX_ENTRIES:
+            raise TooLarge(
+                f"the joint belief of {model.name}: up to {possible:,} of {model.joint_states:,} joint states at the "
+                f"start, more than {MAX_ENTRIES:,}"
+            )
         table = _multiplied(constant(1.0), model.initial.values(), sparse)
         return cls(model, table, sparse).running()
 

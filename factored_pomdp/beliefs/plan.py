@@ -73,6 +73,11 @@ class Plan:
         """Whether something tells of the values before a step."""
         return any(seen.early for plan in self.stacks for seen in plan.seen)
 
+    @cached_property
+    def unhidden(self) -> frozenset[str]:
+        """Observation variables that no hidden variable influences."""
+        return frozenset(self.structure.laws.keys() & {v.name for v in self.structure.model.observations})
+
 
 def plan_of(model: FactoredPOMDP) -> Plan:
     """The model's plan, made on first use."""

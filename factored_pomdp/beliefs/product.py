@@ -9,6 +9,7 @@ block by block, but for a predicted one, which still holds the mass of what the 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -207,6 +208,7 @@ class ProductBelief:
         arrays = []
         before = self.before if self.before is not None else self.known
         given = {**before, **(self.action or {}), **{f"{name}.next": value for name, value in actual.items()}}
+        self._refuse_impossible(observation, given)
         newly = {name: value for name, value in actual.items() if self.known.get(name) is None}
         told, looked = (observation, actual), {**observation, **self._told_to_go_on}
         for number, (members, array) in enumerate(zip(self.roster.stacks, self.arrays, strict=True)):
@@ -291,6 +293,17 @@ class ProductBelief:
             if name not in names:
                 raise ValueError(f"no observation variable {name!r}{did_you_mean(name, names)}")
 
+    def _refuse_impossible(self, observation: Mapping[str, Value], given: Mapping[str, Value | None]) -> None:
+        """Refuse what known values and the action alone say cannot be observed."""
+        for name in self.plan.unhidden & observation.keys():
+            law = self.plan.structure.laws[name]
+            parents = {parent: given[parent] for parent in law.names if parent != name}
+            if None in parents.values() or observation[name] is None:
+                continue
+            if not law.value({**parents, name: observation[name]}) > 0:
+                told = {parent.removesuffix(".next") for parent in parents} & self.known.keys()
+                raise ImpossibleObservation(sorted(told), dict(self.action or {}), {name: observation[name]})
+
     def _projected(self) -> ProductBelief:
         """Replace every block by the product of its things' marginals (Boyen and Koller, UAI 1998)."""
         thing_of = {name: number for number, thing in enumerate(self.plan.structure.things) for name in thing}
@@ -320,32 +333,26 @@ class ProductBelief:
         return DenseFactor(scope, array[:, column].reshape(plan.shape))
 
     def with_block(self, names: Mapping[str, str], distribution: Any) -> ProductBelief:
-        """One more block, shaped like one that is there.
+        """One more block, shaped like one that is there, or that the model has.
 
         Parameters
         ----------
         names : mapping
             Names of an existing block's variables (states, and observations and actions of its own) to new names.
         distribution : array_like
-            Shape: the block's variables' sizes; normalised here.
+            Not negative, of the block's variables' sizes; normalised here.
+
+        Raises
+        ------
+        ValueError
+            For names that are taken or unknown, and for numbers that are no distribution.
         """
-        inside = [name for name in names if name in self.roster.places]
-        if not inside:
-            raise ValueError(f"none of {', '.join(names)} is in the belief: name variables of a block in it")
-        plan, array, _, existing = self._find(inside[0])
-        stack = self.plan.stacks.index(plan)
-        fresh = {pattern: names.get(own, own) for pattern, own in existing.items()}
-        twins = {fresh[v.name] for v in plan.variables} & {n for block in self.blocks for n in block}
-        if twins:
-            raise ValueError(f"{', '.join(sorted(twins))} is in the belief already")
-        observed = [seen.name for seen in plan.seen if not seen.child.is_next and seen.child != GOES_ON]
-        same = [existing.get(name, name) for name in observed if fresh.get(name, name) == existing.get(name, name)]
-        if same:
-            raise ValueError(f"the new block needs observation variables of its own in place of {', '.join(same)}")
-        fresh |= {variable.next.name: f"{fresh[variable.name]}.next" for variable in plan.variables}
-        column = np.asarray(distribution, dtype=float).reshape(-1, 1)
+        stack, existing = self.roster.template(names)
+        fresh = self.roster.renamed(stack, existing, names)
+        plan = self.plan.stacks[stack]
+        column = _distribution(distribution, plan.shape, [fresh[variable.name] for variable in plan.variables])
         arrays, members = list(self.arrays), list(self.members)
-        arrays[stack] = np.ascontiguousarray(np.concatenate([array, column / column.sum()], axis=1))
+        arrays[stack] = np.ascontiguousarray(np.concatenate([arrays[stack], column], axis=1))
         members[stack] = (*members[stack], fresh)
         return self._with(arrays=tuple(arrays), roster=Roster(self.plan, tuple(members)), prior=None)
 
@@ -368,6 +375,16 @@ class ProductBelief:
             raise ValueError(f"no hidden variable {name!r}{did_you_mean(name, self.roster.places)}")
         stack, column = self.roster.places[name]
         return self.plan.stacks[stack], self.arrays[stack], column, self.members[stack][column]
+
+
+def _distribution(given: Any, shape: tuple[int, ...], names: Iterable[str]) -> np.ndarray:
+    """(states, 1), with sum one."""
+    numbers, size, what = np.asarray(given, dtype=float), math.prod(shape), ", ".join(names)
+    if numbers.size != size or numbers.shape not in (shape, (size,), (size, 1)):
+        raise ValueError(f"distribution of [{what}]: shape {numbers.shape}; expected {shape}")
+    if not (np.isfinite(numbers).all() and (numbers >= 0).all() and numbers.sum() > 0):
+        raise ValueError(f"distribution of [{what}]: expected numbers from 0 on, with some mass among them")
+    return np.asarray(numbers.reshape(-1, 1) / numbers.sum())
 
 
 def _result(function: Any, child: str, at: Mapping[str, Value]) -> Value:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from importlib.metadata import EntryPoint
+from pathlib import Path
 
 import pytest
 
@@ -37,6 +38,16 @@ def test_a_broken_plugin_is_named_and_the_rest_works(monkeypatch: pytest.MonkeyP
     assert found["tiger"].error is None
     assert fp.domain("tiger").joint_states == 2
     with pytest.raises(ValueError, match=r"'lion' .* cannot be loaded: ModuleNotFoundError"):
+        fp.domain("lion")
+
+
+@pytest.mark.example
+def test_a_plugin_that_exits_ends_nothing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "plugin_that_exits.py").write_text("import sys\nsys.exit(3)\n", encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    entry_points_are(monkeypatch, EntryPoint("lion", "plugin_that_exits:lion", registry.DOMAINS))
+    assert [entry.error for entry in registry.domains()] == ["SystemExit: 3"]
+    with pytest.raises(ValueError, match=r"'lion' .* cannot be loaded: SystemExit: 3"):
         fp.domain("lion")
 
 

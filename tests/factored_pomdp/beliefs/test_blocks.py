@@ -75,3 +75,27 @@ def test_a_new_block_needs_a_pattern_and_names_of_its_own() -> None:
         belief.with_block({"nobody": "guest"}, [1, 0, 0])
     with pytest.raises(ValueError, match=r"no observation variable 'sean0' \(did you mean 'seen0'\?\)"):
         belief.predict(ACTION).condition({"sean0": 1})
+
+
+@pytest.mark.example
+def test_a_new_block_is_given_a_distribution_and_names_that_are_there_and_free() -> None:
+    belief = fp.initial_belief(model(2))
+    names = {"target0": "guest", "seen0": "guest.seen"}
+    for numbers in ([-1, 2, 0], [np.nan, 0.5, 0.5], [0, 0, 0], [np.inf, 0, 0]):
+        with pytest.raises(ValueError, match=r"distribution of \[guest\]: expected numbers from 0 on"):
+            belief.with_block(names, numbers)
+    with pytest.raises(ValueError, match=r"distribution of \[guest\]: shape \(2,\); expected \(3,\)"):
+        belief.with_block(names, [0.5, 0.5])
+    with pytest.raises(ValueError, match="observation variables of its own in place of seen1"):
+        belief.with_block({"target0": "guest", "seen0": "seen1"}, [1, 0, 0])
+    with pytest.raises(ValueError, match=r"'sean0' is no name of that block \(did you mean 'seen0'\?\)"):
+        belief.with_block({"target0": "guest", "sean0": "guest.seen"}, [1, 0, 0])
+
+
+@pytest.mark.example
+def test_a_block_can_come_back_when_all_have_gone() -> None:
+    none = fp.initial_belief(model(1)).without_block("target0")
+    back = none.with_block({"target0": "target0"}, [1, 2, 1])
+    np.testing.assert_allclose(back.marginal("target0"), [0.25, 0.5, 0.25])
+    after = back.predict(ACTION).condition({"seen0": 2})
+    np.testing.assert_allclose(after.marginal("target0"), [0, 0, 1])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy import sparse
@@ -199,3 +201,25 @@ def test_the_joint_belief_takes_a_possible_value_as_evidence_and_refuses_an_impo
     )
     with pytest.raises(fp.ImpossibleObservation, match="'die': 3"):
         fp.JointBelief.initial(model).predict("on").condition(known={"die": 3})
+
+
+@pytest.mark.example
+@pytest.mark.parametrize("shows", [np.eye(2), [[1, 0], [0.5, 0.5]]])
+def test_what_a_known_variable_cannot_show_is_impossible(shows: Any) -> None:
+    lamp, coin = fp.Variable("lamp", ["off", "on"]), fp.Variable("coin", ["heads", "tails"])
+    light, wait = fp.Variable("light", ["dark", "bright"]), fp.Variable("do", ["wait"])
+    model = fp.FactoredPOMDP(
+        states=[lamp, coin],
+        actions=[wait],
+        observations=[light],
+        transition={"lamp": lambda lamp: lamp, "coin": fp.table("coin.next", values=[0.5, 0.5])},
+        observation={"light": fp.table("lamp.next", "light", values=shows)},
+        reward=fp.table("coin.next", values=[1.0, 0.0]),
+        initial={"lamp": "off", "coin": {"heads": 0.5, "tails": 0.5}},
+    )
+    belief = fp.initial_belief(model)
+    assert belief.known == {"lamp": "off"}
+    predicted = belief.predict("wait")
+    assert predicted.condition({"light": "dark"}).known == {"lamp": "off"}
+    with pytest.raises(fp.ImpossibleObservation, match=r"\{'light': 'bright'\} has probability zero for block \[lamp\]"):
+        predicted.condition({"light": "bright"})

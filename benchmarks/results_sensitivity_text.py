@@ -15,7 +15,7 @@ from results_words import fill, judged, made_by, signed, table, words
 from surveillance_domain.experiments.estimates import Estimate
 from surveillance_domain.experiments.variants import ALL_NAMES
 
-PUBLISHED_RUNS = 30
+PUBLISHED_RUNS = 20
 INTRODUCED = {
     "walls": """The paper does not say what becomes of a move that ends in a wall. *reject*: the rest of the moves is
         renormalised; *reflect*: mirrored like a ball; *stay*: the target stops before the wall.""",

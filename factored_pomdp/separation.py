@@ -9,15 +9,37 @@ from typing import Any
 import numpy as np
 
 from factored_pomdp.factors import DenseFactor, Factor
+from factored_pomdp.factors.base import union
 from factored_pomdp.variables import Variable, count
 
-__all__ = ["additive_parts", "multiplicative_parts"]
+__all__ = ["Tied", "added_up", "additive_parts", "multiplicative_parts"]
 
 _SAME = 1e-12
 _MOST_GROUPS = 6
 _MOST_ENTRIES = 20_000_000
 
 Group = tuple[Variable, ...]
+
+Tied = tuple[str, Factor, frozenset[int]]
+"""Name of a reward, its table, and the numbers of the blocks that it ties together."""
+
+
+def added_up(tied: Sequence[Tied]) -> list[Tied]:
+    """Rewards that have two blocks in common as one reward: what they say of these blocks may cancel.
+
+    Those whose sum is too large to look at stay as they are.
+    """
+    sums: list[Tied] = []
+    for names, table, blocks in tied:
+        for other in [one for one in sums if len(one[2] & blocks) > 1]:
+            scope = union(other[1].scope, table.scope)
+            if count(scope) <= _MOST_ENTRIES:
+                sums.remove(other)
+                names, blocks = f"{other[0]} + {names}", blocks | other[2]
+                shape = [variable.size for variable in scope]
+                table = DenseFactor(scope, np.broadcast_to(other[1].array_over(scope) + table.array_over(scope), shape))
+        sums.append((names, table, blocks))
+    return sums
 
 
 def additive_parts(factor: Factor, groups: Sequence[Group]) -> list[tuple[list[int], Factor]]:

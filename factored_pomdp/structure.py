@@ -14,16 +14,17 @@ tie. What the others do after the end concerns nobody, so nothing has to freeze 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from factored_pomdp.components import components
 from factored_pomdp.contraction import contract_ancestors
 from factored_pomdp.factors import DenseFactor, Factor, NoisyOr
 from factored_pomdp.influence import Reducer
 from factored_pomdp.model import FactoredPOMDP
-from factored_pomdp.separation import additive_parts, multiplicative_parts
+from factored_pomdp.separation import added_up, additive_parts, multiplicative_parts
 from factored_pomdp.validation import is_certain
 from factored_pomdp.variables import Value, Variable
 
@@ -143,6 +144,8 @@ class _Finder:
         self.rewards = {r: reduced(f, None) for r, f in model.reward.items()}
         self.running = reduced(_going_on(model.running), GOES_ON.name) if model.running is not None else None
         self.known, self.functions, self.shown_by = self._known()
+        if sure := self._sure():
+            self.rewards = {r: reduced(f.condition(sure), None) for r, f in self.rewards.items()}
         self.things = self._things()
         self.thing_of = {name: number for number, names in enumerate(self.things) for name in names}
 
@@ -159,9 +162,9 @@ class _Finder:
             likelihoods += self._seen("observation", f"observation of {name}", name, table, joins)
         if self.running is not None:
             likelihoods += self._seen("terminal", "terminal", GOES_ON.name, self.running, joins)
-        roots = _components(len(self.things), [join.things for join in joins])
+        roots = components(len(self.things), [join.things for join in joins])
         terms, free = self._reward_terms(roots, joins)
-        roots = _components(len(self.things), [join.things for join in joins])
+        roots = components(len(self.things), [join.things for join in joins])
         blocks = self._blocks(roots, likelihoods, terms)
         order = tuple(variable.name for variable in self.model.states if variable.name in self.known)
         functions = {name: self.transition[name] for name in self.functions}
@@ -171,6 +174,12 @@ class _Finder:
         return Structure(
             self.model, order, functions, self.shown_by, blocks, self.things, tuple(joins), laws, free, running
         )
+
+    def _sure(self) -> dict[str, Value]:
+        """Next values of hidden variables that are the same whatever happens."""
+        constant = {n: f for n, f in self.transition.items() if n not in self.known and f.names == (f"{n}.next",)}
+        laws = {n: (f.scope[0], f.array_over(f.scope)) for n, f in constant.items() if is_certain(f, f"{n}.next")}
+        return {after.name: after.values[int(law.argmax())] for after, law in laws.values()}
 
     def _known(self) -> tuple[set[str], list[str], dict[str, str]]:
         """The largest set of variables that can be told after a step if they were known before it."""
@@ -241,7 +250,7 @@ class _Finder:
         number = {name: position for position, name in enumerate(hidden)}
         links = [tuple(number[name] for name in group if name in number) for group in self.model.groups]
         things: dict[int, list[str]] = {}
-        for name, root in zip(hidden, _components(len(hidden), links), strict=True):
+        for name, root in zip(hidden, components(len(hidden), links), strict=True):
             things.setdefault(root, []).append(name)
         return tuple(tuple(thing) for thing in things.values())
 
@@ -257,7 +266,7 @@ class _Finder:
     def _join_initially(self, joins: list[Join]) -> None:
         """Initial factors join only what is dependent once they are multiplied out."""
         links = {name: tuple(self._hidden(table)) for name, table in self.initial.items()}
-        roots = _components(len(self.things), links.values())
+        roots = components(len(self.things), links.values())
         for root in dict.fromkeys(roots[things[0]] for things in links.values() if len(things) > 1):
             members = [number for number, other in enumerate(roots) if other == root]
             groups = [tuple(self.model.variable(name) for name in self.things[number]) for number in members]
@@ -293,12 +302,12 @@ class _Finder:
     def _reward_terms(
         self, roots: list[int], joins: list[Join]
     ) -> tuple[list[tuple[str, Factor, int]], list[tuple[str, Factor]]]:
-        terms, free = [], []
+        terms, free, tied = [], [], []
         for name, table in self.rewards.items():
             by_block: dict[int, list[Variable]] = {}
             shared: list[tuple[Variable, set[int]]] = []
             for variable in table.scope:
-                owners = {roots[thing] for thing in self._owners(variable, set())}
+                owners = self._blocks_of(variable, roots)
                 if len(owners) == 1:
                     by_block.setdefault(owners.pop(), []).append(variable)
                 elif owners:
@@ -315,9 +324,21 @@ class _Finder:
             groups = [tuple(variables) for variables in by_block.values()]
             for component, part in additive_parts(table, groups):
                 if len(component) > 1:
+                    tied.append((name, part, frozenset(numbers[one] for one in component)))
+                else:
+                    terms.append((name, part, numbers[component[0]]))
+        for name, table, blocks in added_up(tied):
+            of_block = {
+                block: tuple(v for v in table.scope if self._blocks_of(v, roots) == {block}) for block in blocks
+            }
+            for component, part in additive_parts(table, list(of_block.values())):
+                if len(component) > 1:
                     joins.append(Join(f"reward {name}", "reward", part, self._things_behind(part)))
-                terms.append((name, part, numbers[component[0]]))
+                terms.append((name, part, list(of_block)[component[0]]))
         return terms, free
+
+    def _blocks_of(self, variable: Variable, roots: list[int]) -> set[int]:
+        return {roots[thing] for thing in self._owners(variable, set())}
 
     def _things_behind(self, table: Factor) -> tuple[int, ...]:
         """Things that a reward reads, or that what it reads depends on."""
@@ -369,20 +390,3 @@ def _going_on(running: Factor) -> DenseFactor:
     """The likelihood of `GOES_ON` in next states."""
     table = running.dense()
     return DenseFactor([*(variable.next for variable in table.scope), GOES_ON], table.array[..., None])
-
-
-def _components(size: int, links: Iterable[tuple[int, ...]]) -> list[int]:
-    """For each of ``size`` nodes the smallest node of its component (union-find)."""
-    parent = list(range(size))
-
-    def root(node: int) -> int:
-        while parent[node] != node:
-            parent[node] = parent[parent[node]]
-            node = parent[node]
-        return node
-
-    for link in links:
-        roots = {root(node) for node in link}
-        for other in roots:
-            parent[other] = min(roots)
-    return [root(node) for node in range(size)]

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 
 import factored_pomdp as fp
+from solvers import DecomposedMyopic, JointMyopic
 from tests.counterexamples import confirm
 from tests.small_cameras import camera_model, printed_null
 from tests.strategies import independent_models
@@ -129,6 +130,54 @@ def test_a_pair_of_separate_readings_ties_nothing_and_a_reward_on_the_pair_does(
     certificate = fp.decompose(model)
     assert certificate.blocks == TOGETHER
     assert [tie.kind for tie in certificate.ties] == ["reward"]
+
+
+@pytest.mark.example
+def test_rewards_that_cancel_tie_nothing_and_those_that_add_up_tie_with_their_sum() -> None:
+    """1[a = b] - 1[a = b] + a: V is what is paid for a. With 3 · 1[a = b] for the first, 2 · 1[a = b] is left."""
+    same = np.eye(2)
+    rewards = {
+        "both": fp.table("a.next", "b.next", values=same),
+        "minus": fp.table("b.next", "a.next", values=-same),
+        "more": fp.table("a.next", values=[0.0, 1.0]),
+    }
+    model = coins(rewards)
+    found = fp.decompose(model)
+    assert found.blocks == (("a",), ("b",))
+    assert found.ties == ()
+    belief = fp.initial_belief(model)
+    assert DecomposedMyopic(model).value(belief, "wait") == pytest.approx(0.5)
+    assert JointMyopic(model).decide(fp.JointBelief.initial(model)).value == pytest.approx(0.5)
+    tied = coins(rewards | {"both": fp.table("a.next", "b.next", values=3 * same)})
+    (tie,) = fp.decompose(tied).ties
+    assert (tie.factor, tie.kind) == ("reward both + minus", "reward")
+    assert tie.counterexample["mixed_difference"] == pytest.approx(2 * 2 * 0.5 * 0.5)
+    assert DecomposedMyopic(tied).value(fp.initial_belief(tied), "wait") == pytest.approx(1.5)
+
+
+@pytest.mark.example
+def test_a_next_value_that_is_always_the_same_ties_nothing() -> None:
+    reward = {"both": fp.table("a.next", "b.next", values=[[0.0, 1.0], [5.0, 2.0]])}
+    model = coins(reward, {"a": fp.table("a.next", values=[0.0, 1.0])})
+    found = fp.decompose(model)
+    assert (found.blocks, found.ties) == ((("a",), ("b",)), ())
+    assert DecomposedMyopic(model).value(fp.initial_belief(model), "wait") == pytest.approx(3.5)
+
+
+def coins(reward: dict[str, Any], transition: dict[str, Any] | None = None) -> fp.FactoredPOMDP:
+    """Two coins that are turned over with probability a quarter."""
+    names = ("a", "b")
+    stays = [[0.75, 0.25], [0.25, 0.75]]
+    moves = {name: fp.table(name, f"{name}.next", values=stays) for name in names}
+    return fp.FactoredPOMDP(
+        states=[fp.Variable(name, [0, 1]) for name in names],
+        actions=[fp.Variable("do", ["wait"])],
+        observations=[],
+        transition=moves | (transition or {}),
+        observation={},
+        reward=reward,
+        initial={name: {0: 0.5, 1: 0.5} for name in names},
+    )
 
 
 @pytest.mark.example

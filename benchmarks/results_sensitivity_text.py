@@ -68,7 +68,8 @@ def _reason(slices: Slices, parameter: Parameter, site: str, leads: Mapping[str,
     """Whether the lead over MSP goes with what P knows and MSP does not."""
     least, most = (pick(leads, key=lambda value: leads[value].mean) for pick in (min, max))
     (ours, theirs), (ours_after, theirs_after) = (_knows(slices, parameter, value, site) for value in (least, most))
-    told = f"from {least} to {most} P knows {ours:.0f} → {ours_after:.0f} %, MSP {theirs:.0f} → {theirs_after:.0f} %"
+    shares = f"P knows {ours:.0f} → {ours_after:.0f} %, MSP {theirs:.0f} → {theirs_after:.0f} %"
+    told = f"m = {KNOWN_COUNT}: from {least} to {most} {shares}"
     if ours_after - theirs_after > ours - theirs:
         return f"it goes with what they know ({told})"
     return f"what they know does not explain it ({told}), and why is not known"

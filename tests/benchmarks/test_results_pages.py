@@ -151,7 +151,8 @@ def test_a_ranking_that_turns_over_is_named_with_its_reason(results: ModuleType,
     text = flat(results.sensitivity_page(comparison, slices, "command"))
     assert (
         "- what walls do to a move, hall, m = 20: P − MSP is reject: -1.0 ± 0.0, reflect: -1.0 ± 0.0, "
-        "stay: +2.0 ± 0.0; it goes with what they know (from reject to stay P knows 80 → 80 %, MSP 95 → 92 %)." in text
+        "stay: +2.0 ± 0.0; it goes with what they know (m = 5: from reject to stay P knows 80 → 80 %, MSP 95 → 92 %)."
+        in text
     )
     assert "σ of the direction (degrees), hall" not in text.partition("## What walls")[0]
     assert "P above MSP holds in 2 of 24 cases and fails in 22 (-1.0 to +2.0 points)" in text

@@ -5,172 +5,187 @@ from __future__ import annotations
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
-from solvers.search_state import EDGES, ENTRIES, NODES, WORK
+from solvers.compilation import compiled, part
 
-__all__ = ["add_root", "expand", "insert_all"]
+__all__ = ["expand", "insert_all", "node_of"]
 
 _SAME = 1e-12
 
 
-@njit(cache=True)
+@part
 @no_type_check
-def _hashed(search, first, length):
+def _hashed(entries, first, length):
     found = np.uint64(14695981039346656037)
     for j in range(first, first + length):
-        part = search.entry_state[j] * 1000003 + np.int64(search.entry_chance[j] * 1e10 + 0.5)
+        entry = entries[j]
+        part = entry.state * 1000003 + np.int64(entry.chance * 1e10 + 0.5)
         found = (found ^ np.uint64(part)) * np.uint64(1099511628211)
         found ^= found >> np.uint64(29)
     return found
 
 
-@njit(cache=True)
+@compiled
 @no_type_check
-def _same(search, node, first, length):
-    if search.node_length[node] != length:
-        return False
-    start = search.node_start[node]
-    for j in range(length):
-        if search.entry_state[start + j] != search.entry_state[first + j]:
-            return False
-        if abs(search.entry_chance[start + j] - search.entry_chance[first + j]) > _SAME:
-            return False
-    return True
-
-
-@njit(cache=True)
-@no_type_check
-def insert_all(search):
+def insert_all(nodes, entries, table):
     """Fill the hash table anew."""
-    mask = np.uint64(search.table.shape[0] - 1)
-    for node in range(search.used[NODES]):
-        place = _hashed(search, search.node_start[node], search.node_length[node]) & mask
-        while search.table[place] >= 0:
+    mask = np.uint64(table.shape[0] - 1)
+    for number in range(nodes.shape[0]):
+        place = _hashed(entries, nodes[number].start, nodes[number].length) & mask
+        while table[place] >= 0:
             place = (place + np.uint64(1)) & mask
-        search.table[place] = node
+        table[place] = number
 
 
-@njit(cache=True)
+@part
 @no_type_check
-def _node_of(tables, search, length):
+def node_of(tables, search, length):
     """The node of the belief that stands behind the last entries; it is added if there is none."""
-    first = search.used[ENTRIES]
-    mask = np.uint64(search.table.shape[0] - 1)
-    place = _hashed(search, first, length) & mask
-    while search.table[place] >= 0:
-        if _same(search, search.table[place], first, length):
-            return search.table[place]
+    used, nodes, entries, table = search.used[0], search.nodes, search.entries, search.table
+    first = used.entries
+    mask = np.uint64(table.shape[0] - 1)
+    place = _hashed(entries, first, length) & mask
+    while table[place] >= 0:
+        other = nodes[table[place]]
+        same = other.length == length
+        for j in range(length):
+            if not same:
+                break
+            one, two = entries[other.start + j], entries[first + j]
+            same = one.state == two.state and -_SAME <= one.chance - two.chance <= _SAME
+        if same:
+            return table[place]
         place = (place + np.uint64(1)) & mask
-    node = search.used[NODES]
-    search.table[place] = node
-    search.used[NODES] += 1
-    search.used[ENTRIES] += length
-    search.node_class[node] = tables.class_of[search.entry_state[first]]
-    search.node_start[node] = first
-    search.node_length[node] = length
-    search.node_lower[node] = -np.inf
-    search.node_best[node] = -1
-    search.node_vectors[node] = 0
-    search.node_logged[node] = 0
-    search.node_next_point[node] = -2
+    number = used.nodes
+    table[place] = number
+    used.nodes += 1
+    used.entries += length
+    node = nodes[number]
+    node.kind = tables.class_of[entries[first].state]
+    node.start = first
+    node.length = length
+    node.best = -1
+    node.vectors = 0
+    node.logged = 0
+    node.next_point = -2
+    node.lower = -np.inf
+    states, informed, expected, choices = search.states, search.informed, tables.reward, search.choices[number]
     plane, best = 0.0, -np.inf
     for j in range(first, first + length):
-        plane += search.entry_chance[j] * search.corner[search.entry_state[j]]
-    for action in range(tables.reward.shape[0]):
-        search.choice_edge[node, action] = -1
-        search.choice_edges[node, action] = 0
+        plane += entries[j].chance * states[entries[j].state].corner
+    for action in range(choices.shape[0]):
         worth, reward = 0.0, 0.0
         for j in range(first, first + length):
-            worth += search.entry_chance[j] * search.informed[action, search.entry_state[j]]
-            reward += search.entry_chance[j] * tables.reward[action, search.entry_state[j]]
-        search.choice_upper[node, action] = worth
-        search.choice_reward[node, action] = reward
-        best = max(best, worth)
-    search.node_plane[node] = plane
-    search.node_upper[node] = min(plane, best)
-    return node
+            entry = entries[j]
+            worth += entry.chance * informed[action, entry.state]
+            reward += entry.chance * expected[action, entry.state]
+        choice = choices[action]
+        choice.edge = -1
+        choice.edges = 0
+        choice.upper = worth
+        choice.reward = reward
+        if worth > best:
+            best = worth
+    node.plane = plane
+    node.upper = best if best < plane else plane
+    return number
 
 
-@njit(cache=True)
+@part
 @no_type_check
-def add_root(tables, search, states, chances):
-    """The node of a belief; room must be there."""
-    first = search.used[ENTRIES]
-    for j in range(states.shape[0]):
-        search.entry_state[first + j] = states[j]
-        search.entry_chance[first + j] = chances[j]
-    return _node_of(tables, search, states.shape[0])
-
-
-@njit(cache=True)
-@no_type_check
-def expand(tables, search, node, action, needed):
+def expand(tables, search, number, action, needed):
     """The beliefs that follow a node under an action; false where room is missing (``needed`` then says how much)."""
-    states = tables.reward.shape[1]
-    count = 0
-    for j in range(search.node_start[node], search.node_start[node] + search.node_length[node]):
-        row = action * states + search.entry_state[j]
-        for k in range(tables.move_start[row], tables.move_start[row + 1]):
-            after = tables.move_state[k]
-            if search.mass[after] == 0.0:
-                search.touched[count] = after
-                count += 1
-            search.mass[after] += search.entry_chance[j] * tables.move_chance[k]
-    touched = np.sort(search.touched[:count])
-    entries, slots = 0, 0
-    for after in touched:
-        row = action * states + after
-        for k in range(tables.seen_start[row], tables.seen_start[row + 1]):
-            column = tables.seen_column[k]
-            if search.slot_of[column] < 0:
-                search.slot_of[column] = slots
-                slots += 1
-            entries += 1
-    columns = np.empty(slots, np.int64)
-    lengths = np.zeros(slots + 1, np.int64)
-    for after in touched:
-        row = action * states + after
-        for k in range(tables.seen_start[row], tables.seen_start[row + 1]):
-            slot = search.slot_of[tables.seen_column[k]]
-            columns[slot] = tables.seen_column[k]
-            lengths[slot + 1] += 1
+    used, entries, columns, slots = search.used[0], search.entries, search.columns, search.slots
+    states = search.states
+    seen_start, seen_column, seen_chance = tables.seen_start, tables.seen_column, tables.seen_chance
+    actions, size = tables.reward.shape
+    count = _move(tables, search, number, action)
+    views, total = 0, 0
+    for i in range(count):
+        row = action * size + states[i].touched
+        for k in range(seen_start[row], seen_start[row + 1]):
+            column = columns[seen_column[k]]
+            if column.slot < 0:
+                column.slot = views
+                slot = slots[views]
+                slot.column = seen_column[k]
+                slot.length = 0
+                slot.mass = 0.0
+                views += 1
+            slots[column.slot].length += 1
+            total += 1
     fits = (
-        search.used[NODES] + slots < search.node_class.shape[0]
-        and 2 * (search.used[NODES] + slots) < search.table.shape[0]
-        and search.used[ENTRIES] + entries < search.entry_state.shape[0]
-        and search.used[EDGES] + slots < search.edge_child.shape[0]
+        used.nodes + views < search.nodes.shape[0]
+        and 2 * (used.nodes + views) < search.table.shape[0]
+        and used.entries + total < entries.shape[0]
+        and used.edges + views < search.edges.shape[0]
     )
     if fits:
-        starts = np.cumsum(lengths)
-        filled = starts[:-1].copy()
-        follow_state = np.empty(entries, np.int64)
-        follow_mass = np.empty(entries)
-        for after in touched:
-            row = action * states + after
-            for k in range(tables.seen_start[row], tables.seen_start[row + 1]):
-                slot = search.slot_of[tables.seen_column[k]]
-                follow_state[filled[slot]] = after
-                follow_mass[filled[slot]] = search.mass[after] * tables.seen_chance[k]
-                filled[slot] += 1
-        edge = search.used[EDGES]
-        search.choice_edge[node, action] = edge
-        search.choice_edges[node, action] = slots
-        search.used[EDGES] += slots
-        for slot in range(slots):
-            total = follow_mass[starts[slot] : starts[slot + 1]].sum()
-            first = search.used[ENTRIES]
-            for j in range(starts[slot], starts[slot + 1]):
-                search.entry_state[first + j - starts[slot]] = follow_state[j]
-                search.entry_chance[first + j - starts[slot]] = follow_mass[j] / total
-            search.edge_chance[edge + slot] = total
-            search.edge_column[edge + slot] = columns[slot]
-            search.edge_child[edge + slot] = _node_of(tables, search, starts[slot + 1] - starts[slot])
-        search.used[WORK] += entries * (1 + tables.reward.shape[0])
+        place = used.entries
+        for i in range(views):
+            slots[i].place = place
+            place += slots[i].length
+        for i in range(count):
+            after = states[i].touched
+            row = action * size + after
+            for k in range(seen_start[row], seen_start[row + 1]):
+                slot = slots[columns[seen_column[k]].slot]
+                entry = entries[slot.place]
+                entry.state = after
+                entry.chance = states[after].mass * seen_chance[k]
+                slot.mass += entry.chance
+                slot.place += 1
+        choice = search.choices[number, action]
+        choice.edge = used.edges
+        choice.edges = views
+        for i in range(views):
+            slot, edge = slots[i], search.edges[used.edges]
+            shift = slot.place - slot.length - used.entries
+            for j in range(used.entries, used.entries + slot.length):
+                entries[j].state = entries[j + shift].state
+                entries[j].chance = entries[j + shift].chance / slot.mass
+            edge.column = slot.column
+            edge.chance = slot.mass
+            edge.child = node_of(tables, search, slot.length)
+            used.edges += 1
+        used.work += total * (1 + actions)
     else:
-        needed[NODES], needed[ENTRIES], needed[EDGES] = slots + 1, entries + 1, slots + 1
-    for column in columns:
-        search.slot_of[column] = -1
-    for after in touched:
-        search.mass[after] = 0.0
+        needed[0].nodes = views + 1
+        needed[0].entries = total + 1
+        needed[0].edges = views + 1
+    for i in range(views):
+        columns[slots[i].column].slot = -1
+    for i in range(count):
+        states[states[i].touched].mass = 0.0
     return fits
+
+
+@part
+@no_type_check
+def _move(tables, search, number, action):
+    """Mass of the states that follow a node under an action; how many, in order, are touched."""
+    node, entries, states = search.nodes[number], search.entries, search.states
+    move_start, move_state, move_chance = tables.move_start, tables.move_state, tables.move_chance
+    count = 0
+    for j in range(node.start, node.start + node.length):
+        entry = entries[j]
+        row = action * tables.reward.shape[1] + entry.state
+        for k in range(move_start[row], move_start[row + 1]):
+            after = move_state[k]
+            if states[after].mass == 0.0:
+                states[count].touched = after
+                count += 1
+            states[after].mass += entry.chance * move_chance[k]
+    # Shell's sort; numpy's takes two seconds to compile.
+    gap = 1
+    while gap < count:
+        gap = 3 * gap + 1
+    while gap > 0:
+        for i in range(gap, count):
+            after, place = states[i].touched, i
+            while place >= gap and states[place - gap].touched > after:
+                states[place].touched = states[place - gap].touched
+                place -= gap
+            states[place].touched = after
+        gap //= 3
+    return count

@@ -7,7 +7,7 @@ taken off.
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from solvers.alpha_vectors import VectorSet
 from solvers.flat import FlatModel
@@ -27,20 +27,20 @@ def blind_choices(flat: FlatModel) -> Int[np.ndarray, "actions states"]:
 
 def blind_values(flat: FlatModel) -> Float[np.ndarray, "actions states"]:
     """A lower bound of each blind policy's discounted value, over an infinite horizon."""
-    from solvers.sweeps import fixed_sweeps
+    from solvers.sweeps import optimal_sweeps
 
     tolerance = _TOLERANCE * max(1.0, float(np.abs(flat.reward).max()))
     rows = []
     for choice in blind_choices(flat):
         value = np.zeros(flat.size)
-        low, _ = fixed_sweeps(flat.tables, choice, value, _MOST_SWEEPS, tolerance)
+        low, _ = optimal_sweeps(flat.tables, _only(flat, choice), value, _MOST_SWEEPS, tolerance)
         rows.append(value + flat.discount / (1 - flat.discount) * low)
     return np.stack(rows)
 
 
 def blind_stages(flat: FlatModel, horizon: int | None) -> list[VectorSet]:
     """Blind policies as alpha vectors: one set, or one for each number of steps to go."""
-    from solvers.sweeps import fixed_sweeps
+    from solvers.sweeps import optimal_sweeps
 
     choices = blind_choices(flat)
     if horizon is None:
@@ -48,6 +48,11 @@ def blind_stages(flat: FlatModel, horizon: int | None) -> list[VectorSet]:
     stages, values = [], np.zeros(choices.shape)
     for _ in range(horizon):
         for choice, value in zip(choices, values, strict=True):
-            fixed_sweeps(flat.tables, choice, value, 1, 0.0)
+            optimal_sweeps(flat.tables, _only(flat, choice), value, 1, 0.0)
         stages.append(VectorSet.everywhere(flat, values.copy(), choices))
     return stages
+
+
+def _only(flat: FlatModel, choice: Int[np.ndarray, " states"]) -> Bool[np.ndarray, "actions states"]:
+    """The choice of each state as what alone is legal there."""
+    return np.asarray(np.arange(len(flat.actions))[:, None] == choice)

@@ -187,7 +187,7 @@ def _flattened(model: FactoredPOMDP) -> FlatModel:
     rank = np.argsort(order)
     _, class_of = np.unique(classes[order], return_inverse=True)
     class_start = np.searchsorted(class_of, np.arange(class_of[-1] + 2))
-    legal = _legal(model, flat.actions)[:, order]
+    legal = np.ascontiguousarray(_legal(model, flat.actions)[:, order])
     _check_legal(model, legal, class_of, class_start)
     transition = [_csr(matrix)[order][:, order] for matrix in flat.transition]
     columns = [_csr(matrix)[order] for matrix in read_back]

@@ -11,7 +11,8 @@ from typing import Any, no_type_check
 
 import numpy as np
 from jaxtyping import Float, Int
-from numba import njit
+
+from solvers.compilation import compiled, part
 
 __all__ = ["known_classes"]
 
@@ -41,12 +42,17 @@ def known_classes(
     while changed:
         changed = False
         for moves, views in zip(transition, observation, strict=True):
-            changed |= _merge(
-                moves.indptr, moves.indices, moves.data, views.indptr, views.indices, views.data,
-                columns, parent, reached, holder, stamp, number,
-            )  # fmt: skip
+            rows = (*_rows(moves), *_rows(views))
+            changed |= _merge(*rows, columns, parent, reached, holder, stamp, number)
             number += 1
-    return np.array([_root(parent, state) for state in range(states)])
+    while (parent != parent[parent]).any():
+        parent = parent[parent]
+    return parent
+
+
+def _rows(matrix: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Compressed rows with one kind of whole number, for which the loop is compiled."""
+    return matrix.indptr.astype(np.int64, copy=False), matrix.indices.astype(np.int64, copy=False), matrix.data
 
 
 def _all_reached(transition: list[Any], reached: np.ndarray) -> np.ndarray:
@@ -60,7 +66,7 @@ def _all_reached(transition: list[Any], reached: np.ndarray) -> np.ndarray:
         found = after
 
 
-@njit(cache=True)
+@part
 @no_type_check
 def _root(parent, state):
     while parent[state] != state:
@@ -69,7 +75,7 @@ def _root(parent, state):
     return state
 
 
-@njit(cache=True)
+@compiled
 @no_type_check
 def _merge(
     move_start, move_state, move_chance, seen_start, seen_column, seen_chance,
@@ -95,8 +101,10 @@ def _merge(
                     stamp[key] = number
                     holder[key] = after
                     continue
-                one, other = _root(parent, holder[key]), _root(parent, after)
-                if one != other:
-                    parent[max(one, other)] = min(one, other)
-                    changed = True
+                one, other = _root(parent, np.int64(holder[key])), _root(parent, after)
+                if one < other:
+                    parent[other] = one
+                elif other < one:
+                    parent[one] = other
+                changed = changed or one != other
     return changed

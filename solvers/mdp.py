@@ -38,7 +38,7 @@ def state_values(flat: FlatModel) -> Float[np.ndarray, " states"]:
 
     value = np.zeros(flat.size)
     tolerance = _TOLERANCE * max(1.0, float(np.abs(flat.reward).max()))
-    _, high, _ = optimal_sweeps(flat.tables, value, _MOST_SWEEPS, tolerance)
+    _, high = optimal_sweeps(flat.tables, flat.tables.legal, value, _MOST_SWEEPS, tolerance)
     return value + flat.discount / (1 - flat.discount) * high
 
 
@@ -62,9 +62,9 @@ def values_to_go(flat: FlatModel, horizon: int) -> list[Float[np.ndarray, "actio
     """``Q`` of the observed model with 1, 2, … steps to go."""
     from solvers.sweeps import action_values
 
-    stages = [action_values(flat.tables, np.zeros(flat.size))]
+    stages = [action_values(flat, np.zeros(flat.size))]
     while len(stages) < horizon:
-        stages.append(action_values(flat.tables, stages[-1].max(axis=0)))
+        stages.append(action_values(flat, stages[-1].max(axis=0)))
     return stages
 
 
@@ -101,7 +101,7 @@ class MDP:
             from solvers.sweeps import action_values
 
             value = state_values(self.flat) if self.method == "value-iteration" else linear_program(self.flat)
-            upper = [action_values(self.flat.tables, value)]
+            upper = [action_values(self.flat, value)]
         lower = blind_stages(self.flat, limits.horizon)
         stages = tuple(Stage(low, high, per_state=True) for low, high in zip(lower, upper, strict=True))
         return clock.solution(VectorPolicy(self.flat, self.name, stages, "most probable state", limits.horizon))

@@ -20,7 +20,7 @@ from solvers.blind import blind_stages
 from solvers.flat import FlatModel, can_flatten, flatten
 from solvers.policy import Stage, VectorPolicy
 from solvers.sawtooth import Sawtooth
-from solvers.search_state import ENTRIES, NODES, NUMBERS, POINTS, VECTORS, Search, grown, new_search
+from solvers.search_state import Search, grown, new_count, new_search
 from solvers.solution import Clock, Limits, Progress, Solution
 from solvers.upper_bounds import informed_vectors
 
@@ -74,57 +74,40 @@ class PointBased:
         clock = Clock(limits, self.flat)
         seconds = min(_INFORMED_SECONDS, _INFORMED_SHARE * (limits.time_limit or np.inf))
         informed = informed_vectors(self.flat, seconds=seconds)
-        search, root = _started(self.flat, informed)
-        search, stopped = self._searched(search, root, clock)
+        search = new_search(self.flat, informed, blind_stages(self.flat, None)[0])
+        search, stopped = self._searched(search, clock)
         return clock.solution(_policy(self.flat, search, informed), stopped)
 
-    def _searched(self, search: Search, root: int, clock: Clock) -> tuple[Search, str]:
+    def _searched(self, search: Search, clock: Clock) -> tuple[Search, str]:
         from solvers.belief_nodes import insert_all
         from solvers.point_based_kernels import run_trials
 
-        limits, needed = clock.limits, np.zeros(9, np.int64)
+        limits, needed, support = clock.limits, new_count(), np.count_nonzero(self.flat.initial)
         work, done = _WORK_OF_A_SLICE // 10, 1
         try:
             while done:
                 if clock.is_over:
                     return search, "time limit"
                 needed[:] = 0
-                done = run_trials(self.flat.tables, search, root, limits.precision, self.share, work, needed)
+                done = run_trials(self.flat.tables, search, support, limits.precision, self.share, work, needed)
                 work = _WORK_OF_A_SLICE
                 if done == 2:
                     search = grown(search, needed)
                     if search.bytes_held > _MOST_BYTES:
                         return search, "memory"
-                    if 2 * (search.used[NODES] + needed[NODES]) >= len(search.table):
+                    if 2 * (search.used["nodes"] + needed["nodes"])[0] >= len(search.table):
                         search = search._replace(table=np.full(4 * len(search.table), -1))
-                        insert_all(search)
+                        insert_all(search.nodes[: search.used["nodes"][0]], search.entries, search.table)
                 elif limits.progress is not None:
-                    limits.progress(_progress(search, root, clock.seconds))
+                    limits.progress(_progress(search, clock.seconds))
         except KeyboardInterrupt:
             return search, "interrupted"
         return search, "precision"
 
 
-def _progress(search: Search, root: int, seconds: float) -> Progress:
-    lower, upper = float(search.node_lower[root]), float(search.node_upper[root])
-    return Progress(lower, upper, int(search.used[VECTORS]), int(search.used[POINTS]), seconds)
-
-
-def _started(flat: FlatModel, informed: np.ndarray) -> tuple[Search, int]:
-    from solvers.belief_nodes import add_root
-    from solvers.point_based_kernels import add_vector
-
-    search, blind = new_search(flat, informed), blind_stages(flat, None)[0]
-    support = np.flatnonzero(flat.initial)
-    needed = np.zeros(9, np.int64)
-    needed[VECTORS], needed[NUMBERS], needed[ENTRIES] = len(blind) + 1, len(blind.values) + 1, len(support) + 1
-    search = grown(search, needed)
-    place = 0
-    for kind, action in zip(blind.classes, blind.actions, strict=True):
-        size = int(flat.tables.class_start[kind + 1] - flat.tables.class_start[kind])
-        add_vector(flat.tables, search, int(kind), int(action), blind.values[place : place + size])
-        place += size
-    return search, add_root(flat.tables, search, support, flat.initial[support])
+def _progress(search: Search, seconds: float) -> Progress:
+    root, used = search.nodes[0], search.used[0]
+    return Progress(float(root["lower"]), float(root["upper"]), int(used["vectors"]), int(used["points"]), seconds)
 
 
 def _policy(flat: FlatModel, search: Search, informed: np.ndarray) -> VectorPolicy:
@@ -134,23 +117,23 @@ def _policy(flat: FlatModel, search: Search, informed: np.ndarray) -> VectorPoli
 
 def _vectors(flat: FlatModel, search: Search) -> VectorSet:
     parts = {}
-    for kind, head in enumerate(search.class_vector):
+    for kind, head in enumerate(search.kinds["vector"]):
         size = int(flat.tables.class_start[kind + 1] - flat.tables.class_start[kind])
         rows, vector = [], int(head)
         while vector >= 0:
             rows.append(vector)
-            vector = int(search.vector_next[vector])
-        places = search.vector_start[rows][:, None] + np.arange(size)
-        parts[kind] = search.vector_number[places], search.vector_action[rows]
+            vector = int(search.vectors["next"][vector])
+        places = search.vectors["start"][rows][:, None] + np.arange(size)
+        parts[kind] = search.numbers[places], search.vectors["action"][rows]
     return VectorSet.of(flat, parts)
 
 
 def _sawtooth(flat: FlatModel, search: Search) -> Sawtooth:
-    nodes = np.flatnonzero(search.node_next_point[: search.used[NODES]] != -2)
-    lengths = search.node_length[nodes]
-    start = np.concatenate([[0], np.cumsum(lengths)])
-    places = np.repeat(search.node_start[nodes] - start[:-1], lengths) + np.arange(start[-1])
+    used = search.nodes[: search.used["nodes"][0]]
+    nodes = used[used["next_point"] != -2]
+    start = np.concatenate([[0], np.cumsum(nodes["length"])])
+    places = np.repeat(nodes["start"] - start[:-1], nodes["length"]) + np.arange(start[-1])
+    entries = search.entries[places]
     return Sawtooth(
-        search.corner, search.node_class[nodes], start, search.entry_state[places], search.entry_chance[places],
-        search.node_upper[nodes],
-    )  # fmt: skip
+        search.states["corner"].copy(), nodes["kind"], start, entries["state"], entries["chance"], nodes["upper"]
+    )

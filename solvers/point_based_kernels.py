@@ -9,292 +9,291 @@ from __future__ import annotations
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
-from solvers.belief_nodes import expand
-from solvers.search_state import LOGGED, NUMBERS, POINTS, VECTORS, WORK
+from solvers.belief_nodes import expand, node_of
+from solvers.compilation import compiled, part
 
 __all__ = ["add_vector", "run_trials"]
 
-_DEEPEST = 1000
 
-
-@njit(cache=True)
+@part
 @no_type_check
-def _sawtooth(search, point, plane, best):
-    """``min(best, the bound that one point gives)`` for the belief in the buffer."""
-    drop = search.node_upper[point] - search.node_plane[point]
-    if drop >= 0.0:
-        return best
-    enough = (best - plane) / drop
-    ratio = np.inf
-    first = search.node_start[point]
-    for j in range(first, first + search.node_length[point]):
-        chance = search.buffer[search.entry_state[j]]
-        if chance <= enough * search.entry_chance[j]:
-            return best
-        ratio = min(ratio, chance / search.entry_chance[j])
-    return min(best, plane + ratio * drop)
-
-
-@njit(cache=True)
-@no_type_check
-def _refresh_upper(search, node):
-    kind = search.node_class[node]
-    seen = search.node_logged[node]
-    if search.class_log[kind] < seen:
+def _refresh_upper(search, number):
+    """``min`` of the bound and of what the sawtooth gives with points that the node has not seen."""
+    used, nodes, entries, buffer, log = search.used[0], search.nodes, search.entries, search.buffer, search.log
+    node = nodes[number]
+    kind, seen = search.kinds[node.kind], node.logged
+    if kind.log < seen:
         return
-    first, past = search.node_start[node], search.node_start[node] + search.node_length[node]
-    for j in range(first, past):
-        search.buffer[search.entry_state[j]] = search.entry_chance[j]
-    best, plane, looked = search.node_upper[node], search.node_plane[node], 0
-    if seen == 0:
-        point = search.class_point[kind]
-        while point >= 0:
-            best = _sawtooth(search, point, plane, best)
-            point = search.node_next_point[point]
-            looked += 1
-    else:
-        entry = search.class_log[kind]
-        while entry >= seen:
-            best = _sawtooth(search, search.log_node[entry], plane, best)
-            entry = search.log_next[entry]
-            looked += 1
-    for j in range(first, past):
-        search.buffer[search.entry_state[j]] = 0.0
-    search.node_upper[node] = best
-    search.node_logged[node] = search.used[LOGGED]
-    search.used[WORK] += 3 * looked + past - first
+    for j in range(node.start, node.start + node.length):
+        buffer[entries[j].state] = entries[j].chance
+    best, looked = node.upper, 0
+    at = kind.log if seen else kind.point
+    while at >= seen:
+        point = nodes[log[at].node if seen else at]
+        drop = point.upper - point.plane
+        if drop < 0.0:
+            enough, ratio = (best - node.plane) / drop, np.inf
+            for j in range(point.start, point.start + point.length):
+                entry = entries[j]
+                chance = buffer[entry.state]
+                if chance <= enough * entry.chance:
+                    ratio = 0.0
+                    break
+                share = chance / entry.chance
+                if share < ratio:
+                    ratio = share
+            if ratio > 0.0 and node.plane + ratio * drop < best:
+                best = node.plane + ratio * drop
+        at = log[at].next if seen else point.next_point
+        looked += 1
+    for j in range(node.start, node.start + node.length):
+        buffer[entries[j].state] = 0.0
+    node.upper = best
+    node.logged = used.logged
+    used.work += 3 * looked + node.length
 
 
-@njit(cache=True)
+@part
 @no_type_check
-def _refresh_lower(tables, search, node):
-    kind = search.node_class[node]
-    vector = search.class_vector[kind]
-    seen = search.node_vectors[node]
+def _refresh_lower(tables, search, number):
+    """``max`` of the bound and of the vectors that the node has not seen."""
+    used, node, entries = search.used[0], search.nodes[number], search.entries
+    vectors, numbers = search.vectors, search.numbers
+    vector, seen = search.kinds[node.kind].vector, node.vectors
     if vector < seen:
         return
-    first, past = search.node_start[node], search.node_start[node] + search.node_length[node]
-    base = tables.class_start[kind]
-    best, lower, looked = search.node_best[node], search.node_lower[node], 0
+    first, past = node.start, node.start + node.length
+    base = tables.class_start[node.kind]
+    best, lower, looked = node.best, node.lower, 0
     while vector >= seen:
-        start = search.vector_start[vector] - base
+        start = vectors[vector].start - base
         worth = 0.0
         for j in range(first, past):
-            worth += search.entry_chance[j] * search.vector_number[start + search.entry_state[j]]
+            worth += entries[j].chance * numbers[start + entries[j].state]
         if worth > lower:
             lower, best = worth, vector
-        vector = search.vector_next[vector]
+        vector = vectors[vector].next
         looked += 1
-    search.node_best[node], search.node_lower[node] = best, lower
-    search.node_vectors[node] = search.used[VECTORS]
-    search.used[WORK] += (looked + 1) * (past - first)
+    node.best = best
+    node.lower = lower
+    node.vectors = used.vectors
+    used.work += (looked + 1) * node.length
 
 
-@njit(cache=True)
+@part
 @no_type_check
-def _log(search, node):
-    kind, entry = search.node_class[node], search.used[LOGGED]
-    if search.node_next_point[node] == -2:
-        search.node_next_point[node] = search.class_point[kind]
-        search.class_point[kind] = node
-        search.used[POINTS] += 1
-    search.log_node[entry] = node
-    search.log_next[entry] = search.class_log[kind]
-    search.class_log[kind] = entry
-    search.used[LOGGED] += 1
+def _best_choice(choices, number):
+    best = 0
+    for action in range(1, choices.shape[1]):
+        if choices[number, action].upper > choices[number, best].upper:
+            best = action
+    return best
 
 
-@njit(cache=True)
+@part
 @no_type_check
-def _update_upper(tables, search, node, slack, needed):
+def _update_upper(tables, search, number, slack, needed):
     """Back the upper bound up, looking only at actions that may be the best; false where room is missing."""
-    if search.used[LOGGED] + 1 >= search.log_node.shape[0]:
-        needed[LOGGED] = 2
+    used, nodes, edges, choices, log = search.used[0], search.nodes, search.edges, search.choices, search.log
+    if used.logged + 1 >= log.shape[0]:
+        needed[0].logged = 2
         return False
-    actions = tables.reward.shape[0]
-    fresh = np.zeros(actions, np.bool_)
-    while True:
-        action = np.argmax(search.choice_upper[node])
-        if fresh[action]:
-            break
-        fresh[action] = True
-        if search.choice_edge[node, action] < 0 and not expand(tables, search, node, action, needed):
+    used.stamp += 1
+    stamp, looked = used.stamp, search.looked
+    action = _best_choice(choices, number)
+    while looked[action] != stamp:
+        looked[action] = stamp
+        choice = choices[number, action]
+        if choice.edge < 0 and not expand(tables, search, number, action, needed):
             return False
-        first = search.choice_edge[node, action]
         total = 0.0
-        for edge in range(first, first + search.choice_edges[node, action]):
-            child = search.edge_child[edge]
-            _refresh_upper(search, child)
-            total += search.edge_chance[edge] * search.node_upper[child]
-        worth = search.choice_reward[node, action] + tables.discount * total
-        if worth < search.choice_upper[node, action]:
-            search.choice_upper[node, action] = worth
-    worth = search.choice_upper[node, action]
-    before = search.node_upper[node]
-    if worth < before:
-        _refresh_upper(search, node)
-        before = search.node_upper[node]
+        for j in range(choice.edge, choice.edge + choice.edges):
+            _refresh_upper(search, edges[j].child)
+            total += edges[j].chance * nodes[edges[j].child].upper
+        worth = choice.reward + tables.discount * total
+        if worth < choice.upper:
+            choice.upper = worth
+        action = _best_choice(choices, number)
+    worth, node = choices[number, action].upper, nodes[number]
+    if worth < node.upper:
+        _refresh_upper(search, number)
+        before = node.upper
         if worth < before:
-            search.node_upper[node] = worth
-            if before - worth > slack or search.node_next_point[node] != -2:
-                _log(search, node)
+            node.upper = worth
+            if before - worth > slack or node.next_point != -2:
+                kind = search.kinds[node.kind]
+                if node.next_point == -2:
+                    node.next_point = kind.point
+                    kind.point = number
+                    used.points += 1
+                log[used.logged].node = number
+                log[used.logged].next = kind.log
+                kind.log = used.logged
+                used.logged += 1
     return True
 
 
-@njit(cache=True)
+@part
 @no_type_check
-def add_vector(tables, search, kind, action, numbers):
-    """Add a vector unless another is nowhere below it; take out those that it is nowhere below."""
-    size, start = numbers.shape[0], search.used[NUMBERS]
-    vector, before = search.class_vector[kind], -1
+def add_vector(search, kind, action, size):
+    """Add the vector behind the last numbers unless another is nowhere below it; take out those nowhere above it."""
+    used, vectors, numbers = search.used[0], search.vectors, search.numbers
+    start, worth = used.numbers, 0.0
+    vector, before = kind.vector, -1
     while vector >= 0:
-        place = search.vector_start[vector]
+        place = vectors[vector].start
         above, below = True, True
         for j in range(size):
-            other = search.vector_number[place + j]
-            if numbers[j] > other:
+            own, other = numbers[start + j], numbers[place + j]
+            if own > other:
                 above = False
                 if not below:
                     break
-            elif numbers[j] < other:
+            elif own < other:
                 below = False
                 if not above:
                     break
-        following = search.vector_next[vector]
+        following = vectors[vector].next
         if above:
-            return False
-        if below:
-            if before < 0:
-                search.class_vector[kind] = following
-            else:
-                search.vector_next[before] = following
-        else:
+            return
+        if not below:
             before = vector
+        elif before < 0:
+            kind.vector = following
+        else:
+            vectors[before].next = following
         vector = following
-    new = search.used[VECTORS]
-    search.vector_number[start : start + size] = numbers
-    search.vector_class[new], search.vector_action[new], search.vector_start[new] = kind, action, start
-    search.vector_next[new] = search.class_vector[kind]
-    search.class_vector[kind] = new
-    search.used[VECTORS] += 1
-    search.used[NUMBERS] += size
-    worth = numbers.sum()
-    if worth > search.class_default_worth[kind]:
-        search.class_default_worth[kind] = worth
-        search.class_default[kind] = new
-    return True
+    new = vectors[used.vectors]
+    new.action = action
+    new.start = start
+    new.next = kind.vector
+    kind.vector = used.vectors
+    for j in range(start, start + size):
+        worth += numbers[j]
+    if worth > kind.default_worth:
+        kind.default_worth = worth
+        kind.default = used.vectors
+    used.vectors += 1
+    used.numbers += size
 
 
-@njit(cache=True)
+@part
 @no_type_check
-def _backup(tables, search, node, slack, needed):
+def _backup(tables, search, number, slack, needed):
     """Back the lower bound up over the actions that were looked at; false where room is missing."""
-    states, kind = tables.reward.shape[1], search.node_class[node]
-    base, size = tables.class_start[kind], tables.class_start[kind + 1] - tables.class_start[kind]
-    if (
-        search.used[VECTORS] + 1 >= search.vector_class.shape[0]
-        or search.used[NUMBERS] + size >= search.vector_number.shape[0]
-    ):
-        needed[VECTORS], needed[NUMBERS] = 2, size + 1
+    used, nodes, edges, vectors, numbers = search.used[0], search.nodes, search.edges, search.vectors, search.numbers
+    node, choices = nodes[number], search.choices
+    base = tables.class_start[node.kind]
+    size = tables.class_start[node.kind + 1] - base
+    if used.vectors + 1 >= vectors.shape[0] or used.numbers + size >= numbers.shape[0]:
+        needed[0].vectors = 2
+        needed[0].numbers = size + 1
         return False
-    _refresh_lower(tables, search, node)
-    best, action = -np.inf, -1
-    for other in range(tables.reward.shape[0]):
-        first = search.choice_edge[node, other]
-        if first < 0 or search.choice_upper[node, other] <= search.node_lower[node] + slack:
+    _refresh_lower(tables, search, number)
+    best, action = -np.inf, np.int64(-1)
+    for other in range(choices.shape[1]):
+        choice = choices[number, other]
+        if choice.edge < 0 or choice.upper <= node.lower + slack:
             continue
         total = 0.0
-        for edge in range(first, first + search.choice_edges[node, other]):
-            child = search.edge_child[edge]
-            _refresh_lower(tables, search, child)
-            total += search.edge_chance[edge] * search.node_lower[child]
-        worth = search.choice_reward[node, other] + tables.discount * total
+        for j in range(choice.edge, choice.edge + choice.edges):
+            _refresh_lower(tables, search, edges[j].child)
+            total += edges[j].chance * nodes[edges[j].child].lower
+        worth = choice.reward + tables.discount * total
         if worth > best:
             best, action = worth, other
-    if best <= search.node_lower[node] + slack:
+    if best <= node.lower + slack:
         return True
-    search.stamp[0] += 1
-    stamp, first = search.stamp[0], search.choice_edge[node, action]
-    for edge in range(first, first + search.choice_edges[node, action]):
-        search.column_vector[search.edge_column[edge]] = search.node_best[search.edge_child[edge]]
-        search.column_stamp[search.edge_column[edge]] = stamp
-    numbers = np.empty(size)
-    for state in range(base, base + size):
-        row = action * states + state
-        total = 0.0
-        for k in range(tables.move_start[row], tables.move_start[row + 1]):
-            after = tables.move_state[k]
-            if search.ahead_stamp[after] != stamp:
-                search.ahead_stamp[after] = stamp
-                search.ahead[after] = _seen_ahead(tables, search, action * states + after, after, stamp)
-            total += tables.move_chance[k] * search.ahead[after]
-        numbers[state - base] = tables.reward[action, state] + tables.discount * total
-    search.used[WORK] += size * 10
-    add_vector(tables, search, kind, action, numbers)
-    _refresh_lower(tables, search, node)
+    _back_up_along(tables, search, number, action)
+    add_vector(search, search.kinds[node.kind], action, size)
+    _refresh_lower(tables, search, number)
     return True
 
 
-@njit(cache=True)
+@part
 @no_type_check
-def _seen_ahead(tables, search, row, after, stamp):
-    """``Σ_z P(z | s', a) α_z(s')`` with the vectors that were chosen for the observations."""
-    kind = tables.class_of[after]
-    place = after - tables.class_start[kind]
-    total = 0.0
-    for k in range(tables.seen_start[row], tables.seen_start[row + 1]):
-        column = tables.seen_column[k]
-        vector = search.column_vector[column] if search.column_stamp[column] == stamp else search.class_default[kind]
-        total += tables.seen_chance[k] * search.vector_number[search.vector_start[vector] + place]
-    return total
+def _back_up_along(tables, search, number, action):
+    """``R(s, a) + γ Σ_s' P(s' | s, a) Σ_z P(z | s', a) α_z(s')``, written behind the last numbers.
+
+    The vector of an observation is the best one of the belief that follows it.
+    """
+    used, nodes, edges, vectors, numbers = search.used[0], search.nodes, search.edges, search.vectors, search.numbers
+    columns, kinds, states = search.columns, search.kinds, search.states
+    move_start, move_state, move_chance = tables.move_start, tables.move_state, tables.move_chance
+    seen_start, seen_column, seen_chance = tables.seen_start, tables.seen_column, tables.seen_chance
+    class_of, class_start, reward = tables.class_of, tables.class_start, tables.reward
+    used.stamp += 1
+    choice = search.choices[number, action]
+    for j in range(choice.edge, choice.edge + choice.edges):
+        column = columns[edges[j].column]
+        column.vector = nodes[edges[j].child].best
+        column.stamp = used.stamp
+    base, past = class_start[nodes[number].kind], class_start[nodes[number].kind + 1]
+    for state in range(base, past):
+        row = action * reward.shape[1] + state
+        total = 0.0
+        for k in range(move_start[row], move_start[row + 1]):
+            after = move_state[k]
+            if states[after].stamp != used.stamp:
+                states[after].stamp = used.stamp
+                kind, seen, worth = class_of[after], action * reward.shape[1] + after, 0.0
+                for i in range(seen_start[seen], seen_start[seen + 1]):
+                    column = columns[seen_column[i]]
+                    vector = column.vector if column.stamp == used.stamp else kinds[kind].default
+                    worth += seen_chance[i] * numbers[vectors[vector].start + after - class_start[kind]]
+                states[after].ahead = worth
+            total += move_chance[k] * states[after].ahead
+        numbers[used.numbers + state - base] = reward[action, state] + tables.discount * total
+    used.work += (past - base) * 10
 
 
-@njit(cache=True)
+@compiled
 @no_type_check
-def run_trials(tables, search, root, precision, share, work, needed):
+def run_trials(tables, search, support, precision, share, work, needed):
     """Trials from the root: 0 where the gap is closed, 1 where the work is done, 2 where room is missing.
 
     Each goes down by the best upper bound and the widest weighted gap, while the gap exceeds ``target / γ^depth``, and
-    backs both bounds up on its way back. The target is ``share`` of the root's gap, and never below the precision.
+    backs both bounds up on its way back. The target is ``share`` of the root's gap, and never below the precision. The
+    root is node 0; it is made of the first ``support`` entries. A trial goes down, then up again along its path.
     """
-    path = np.empty(_DEEPEST, np.int64)
-    end = search.used[WORK] + work
-    slack = 1e-4 * precision
+    used, nodes, edges, choices, path = search.used[0], search.nodes, search.edges, search.choices, search.path
+    if used.nodes == 0:
+        node_of(tables, search, support)
+    end, slack, target = used.work + work, 1e-4 * precision, 0.0
+    number, depth, descends = path[0], 0, False
     while True:
-        if not _update_upper(tables, search, root, slack, needed) or not _backup(tables, search, root, slack, needed):
+        if not _update_upper(tables, search, number, slack, needed):
             return 2
-        gap = search.node_upper[root] - search.node_lower[root]
+        if descends:
+            _refresh_lower(tables, search, number)
+            following = np.int64(-1)
+            if nodes[number].upper - nodes[number].lower > target:
+                path[depth] = number
+                depth += 1
+                target /= tables.discount
+                choice, widest = choices[number, _best_choice(choices, number)], 0.0
+                for j in range(choice.edge, choice.edge + choice.edges):
+                    edge = edges[j]
+                    _refresh_lower(tables, search, edge.child)
+                    excess = nodes[edge.child].upper - nodes[edge.child].lower - target
+                    if edge.chance * excess > widest:
+                        widest, following = edge.chance * excess, edge.child
+            descends = following >= 0 and depth < path.shape[0]
+            number = following if descends else path[depth - 1 if depth else 0]
+            continue
+        if not _backup(tables, search, number, slack, needed):
+            return 2
+        if depth > 0:
+            # Back along the path, and once more at the root.
+            depth -= 1
+            number = path[depth - 1 if depth else 0]
+            continue
+        gap = nodes[0].upper - nodes[0].lower
         if gap <= precision:
             return 0
-        if search.used[WORK] >= end:
+        if used.work >= end:
             return 1
-        target = max(0.9 * precision, share * gap)
-        node, depth = root, 0
-        while depth < _DEEPEST:
-            if not _update_upper(tables, search, node, slack, needed):
-                return 2
-            _refresh_lower(tables, search, node)
-            if search.node_upper[node] - search.node_lower[node] <= target:
-                break
-            path[depth] = node
-            depth += 1
-            target /= tables.discount
-            action = np.argmax(search.choice_upper[node])
-            first = search.choice_edge[node, action]
-            widest, chosen = 0.0, -1
-            for edge in range(first, first + search.choice_edges[node, action]):
-                child = search.edge_child[edge]
-                _refresh_lower(tables, search, child)
-                excess = search.node_upper[child] - search.node_lower[child] - target
-                if search.edge_chance[edge] * excess > widest:
-                    widest, chosen = search.edge_chance[edge] * excess, child
-            if chosen < 0:
-                break
-            node = chosen
-        for step in range(depth - 1, -1, -1):
-            if not _update_upper(tables, search, path[step], slack, needed):
-                return 2
-            if not _backup(tables, search, path[step], slack, needed):
-                return 2
+        target, descends = share * gap, True
+        if target < 0.9 * precision:
+            target = 0.9 * precision

@@ -11,7 +11,10 @@ from hypothesis import given, settings
 import factored_pomdp as fp
 from factored_pomdp.simulation import Simulation
 from solvers import Exact, Limits, PointBased
+from solvers.alpha_vectors import VectorSet
+from solvers.flat import FlatModel, flatten
 from solvers.point_based_kernels import add_vector
+from solvers.search_state import Search, new_search
 from solvers.solution import Progress
 from tests.solvers.small_models import small_models
 
@@ -117,13 +120,21 @@ def test_refuses_a_discount_of_one_and_a_horizon() -> None:
 
 @pytest.mark.example
 def test_dominated_vectors_go() -> None:
-    from solvers.flat import flatten
-    from solvers.search_state import new_search
-
     flat = flatten(fp.domain("tiger"))
-    search = new_search(flat, np.zeros((3, 2)))
-    added = [add_vector(flat.tables, search, 0, 1, np.array(v)) for v in ([0.0, 0.0], [1.0, -1.0], [0.5, -2.0])]
-    assert added == [True, True, False]
-    assert add_vector(flat.tables, search, 0, 2, np.array([2.0, 0.0]))
-    assert search.class_vector[0] == 2
-    assert search.vector_next[2] == -1
+    search = _searched(flat, [[0.0, 0.0]])
+    for action, vector in ((1, [1.0, -1.0]), (1, [0.5, -2.0]), (2, [2.0, 0.0])):
+        place = search.used[0].numbers
+        search.numbers[place : place + 2] = vector
+        add_vector.py_func(search, search.kinds[0], action, 2)
+    assert search.used[0].vectors == 3  # the third was below the second
+    assert search.kinds[0].vector == 2
+    assert search.vectors[2].next == -1
+    assert search.numbers[search.vectors[2].start :][:2].tolist() == [2.0, 0.0]
+    assert (search.kinds[0].default, search.kinds[0].default_worth) == (2, 2.0)
+
+
+def _searched(flat: FlatModel, vectors: list[list[float]]) -> Search:
+    """A search with first vectors, whose records are read as compiled loops read them."""
+    first = VectorSet.everywhere(flat, np.array(vectors), np.zeros((len(vectors), flat.size), int))
+    search = new_search(flat, np.zeros((len(flat.actions), flat.size)), first)
+    return Search(*(array.view(np.recarray) for array in search))

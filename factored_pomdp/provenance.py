@@ -26,14 +26,11 @@ def provenance(command: str, inputs: Mapping[str, str], seed: int | None = None)
     inputs : mapping
         Name of each input to the digest of its content.
     seed : int, optional
-        Where something was drawn at random.
+        Left out where nothing was drawn at random.
     """
     from factored_pomdp import __version__
 
-    carried: dict[str, Any] = {"command": command, "version": __version__, "inputs": dict(inputs)}
-    if seed is not None:
-        carried["seed"] = seed
-    return carried
+    return {"command": command, "version": __version__, "inputs": dict(inputs), "seed": seed}
 
 
 def digest(model: FactoredPOMDP) -> str:

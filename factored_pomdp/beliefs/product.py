@@ -83,7 +83,10 @@ class ProductBelief:
         return other
 
     def predict(self, action: Any) -> ProductBelief:
-        """The belief after an action and before its observation (the sum in eq:belup2)."""
+        """The belief after an action and before its observation (the sum in eq:belup2).
+
+        Whether the action is legal is for whoever chooses to ask; here it has been done.
+        """
         chosen = self.plan.structure.model.action(action)
         start = self.running()
         after = start.next_known(chosen)

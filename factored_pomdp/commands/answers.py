@@ -99,5 +99,7 @@ def _console(*, stderr: bool) -> Console:
 def _refuse(message: str, code: int, *, as_json: bool) -> None:
     side_console().print(message, style="bold red" if code != INTERRUPTED else None, soft_wrap=True)
     if as_json:
-        answer({"error": message, "command": COMMAND_LINE.get()}, (), as_json=True)
+        from factored_pomdp import __version__
+
+        answer({"error": message, "command": COMMAND_LINE.get(), "version": __version__}, (), as_json=True)
     raise typer.Exit(code)

@@ -75,8 +75,6 @@ def compare(
 
     changed = overrides(option, detection_probability, cell_noise_m)
     counts, names = read_counts(targets), read_controllers(controllers)
-    if out is not None:
-        ready_folder(out)
     with input_checked():
         found = {site: check_setup(Setup(site, 1, **changed), names) for site in dict.fromkeys(sites)}
     labels = [site.name for site in found.values()]
@@ -84,6 +82,8 @@ def compare(
         raise InputError(f"two different site files have the same name: {', '.join(labels)}; rename one")
     setups = tuple(Setup(site, count, **changed) for site in found for count in counts)
     plan = Plan(setups, names, truth_kind(truth), steps, seed)
+    if out is not None:
+        ready_folder(out)
     with input_checked():
         kept = None if out is None else KeptRuns(out / "runs.jsonl")
     outcome = compared(plan, runs, workers or processors(), progress, kept, cluster)

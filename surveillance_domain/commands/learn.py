@@ -70,15 +70,15 @@ def learn(
     for name, value in (("--step-s", step_s), ("--cell-m", cell_m)):
         if not 0 < value < float("inf"):
             raise InputError(f"{name} {value:g}: expected a number above 0")
-    if picture is not None:
-        if picture.suffix.lower() not in (".png", ".svg") or picture.is_dir():
-            raise InputError(f"--picture {picture}: expected the name of a file that ends in .png")
-        ready_folder(picture.parent)
+    if picture is not None and (picture.suffix.lower() not in (".png", ".svg") or picture.is_dir()):
+        raise InputError(f"--picture {picture}: expected the name of a file that ends in .png")
     if write is not None:
         _check_site(write, step_s, cell_m)
     given = conventions(frames_per_s, metres_per_unit, homography, columns)
     found = {path: read_tracks(path, given, max_gap_s, fastest_mps) for path in dict.fromkeys(trajectories)}
     tracks = _together(found, step_s)
+    if picture is not None:
+        ready_folder(picture.parent)
     rng = np.random.default_rng(seed)
     with input_checked():
         everyone = transitions(tracks, step_s)

@@ -89,8 +89,6 @@ def replay(
     placement = Placement(_point(offset_m), rotate_deg)
     given = conventions(frames_per_s, metres_per_unit, homography, columns)
     changed = overrides(option, detection_probability, cell_noise_m)
-    if out is not None:
-        ready_folder(out)
     with input_checked():
         found = load_site(site).with_overrides(**changed)
     tracks = read_tracks(trajectories, given, max_gap_s, fastest_mps)
@@ -102,6 +100,8 @@ def replay(
     if not found.targets.doors:
         told = f"site {found.name} has no [[targets.doors]]: everybody is believed to be on the map all the time"
         side_console().print(told, style="yellow", soft_wrap=True)
+    if out is not None:
+        ready_folder(out)
     done, recording, first, interrupted = _watched(found, pieces, name, seed, out is not None, progress)
     content = {
         "site": found.name,

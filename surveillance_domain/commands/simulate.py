@@ -57,14 +57,11 @@ def simulate(
     as_json: AsJson = False,
 ) -> None:
     """Let one controller run, and say which share of the targets it observed."""
-    from surveillance_domain.commands.folder import ready_folder
     from surveillance_domain.experiments.setup import Case, Setup
 
     (name, *others) = read_controllers(controller)
     if others:
         raise InputError(f"--controller {controller}: one controller; for several there is surveillance compare")
-    if out is not None:
-        ready_folder(out)
     setup = Setup(site, targets, **overrides(option, detection_probability, cell_noise_m))
     case = Case(setup, name, truth_kind(truth), steps, seed)
     content, interrupted = simulated(case, runs, out, workers or 1, progress)
@@ -81,6 +78,7 @@ def simulated(
     With ``out`` the first run is recorded, and the folder holds ``run.gif``, ``last-step.png`` and ``.svg``,
     ``steps.csv``, ``result.json`` and ``provenance.json``.
     """
+    from surveillance_domain.commands.folder import ready_folder
     from surveillance_domain.commands.progress import progress_bar
     from surveillance_domain.experiments.jobs import blocks, run_jobs
     from surveillance_domain.experiments.recording import record_run
@@ -88,6 +86,8 @@ def simulated(
 
     with input_checked():
         site = check_setup(case.setup, (case.controller,))
+    if out is not None:
+        ready_folder(out)
     done: dict[int, Run] = {}
     recording = None
     with progress_bar(f"simulating {site.name}", runs, progress) as advance:

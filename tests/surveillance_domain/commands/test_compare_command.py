@@ -77,3 +77,12 @@ def test_tables_are_for_people_and_progress_goes_elsewhere(surveillance: Callabl
         assert words in answer.out
     assert "s left" in answer.err
     assert "s left" not in answer.out
+
+
+@pytest.mark.end_to_end
+@pytest.mark.parametrize("command", ["simulate", "compare"])
+def test_wrong_input_leaves_no_folder(command: str, surveillance: Callable[..., Any], tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    answer = surveillance(command, "nowhere", "--targets", "1", "--out", out, "--json")
+    assert answer.code == 2
+    assert not out.exists()

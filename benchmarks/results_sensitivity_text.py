@@ -107,7 +107,7 @@ def _section(parameter: Parameter, slices: Slices) -> str:
             rows.append([site, count, shown, f"{ours.mean:.1f}", *map(signed, leads), *shares])
     heads = ["site", "m", parameter.name, "P", *(f"P − {name}" for name in names), "P knows", "MSP knows"]
     made = table(heads, rows, 1)
-    title = parameter.title[0].upper() + parameter.title[1:]
+    title = parameter.title if parameter.title.startswith("σ") else parameter.title.capitalize()
     picture = f"![{parameter.title}: P minus the others](figures/sensitivity-{parameter.name}.png)"
     known = fill(
         f"""*Knows*: as in the [results](results.md#why-msp-is-so-near-to-p), with {KNOWN_COUNT} targets; own: the value

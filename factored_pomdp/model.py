@@ -182,7 +182,11 @@ class FactoredPOMDP:
                     continue
                 if variable.name in names:
                     faults.append(
-                        Fault(f"variable {variable.name}", f"a {names[variable.name]} and a {kind}", "a name used once")
+                        Fault(
+                            f"variable {variable.name}",
+                            f"the name of two: {names[variable.name]} and {kind}",
+                            "a name used once",
+                        )
                     )
                 if variable.is_next:
                     faults.append(Fault(f"variable {variable.name}", "the ending '.next'", "a name without it"))

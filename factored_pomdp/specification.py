@@ -122,7 +122,11 @@ def _from_axes(named: Table, child: Variable | None, variables: Mapping[str, Var
         array = np.zeros(shape)
         _fill(array, (), named.values, scope, filled_up=child is not None)
     else:
-        array = np.asarray(named.values, dtype=float)
+        try:
+            array = np.asarray(named.values, dtype=float)
+        except (TypeError, ValueError):
+            expected = f"numbers in shape {tuple(shape)} for ({', '.join(named.axes)})"
+            raise _NotResolvable("rows of different lengths, or values that are no numbers", expected) from None
     if list(array.shape) != shape:
         raise _NotResolvable(f"an array of shape {array.shape}", f"shape {tuple(shape)} for ({', '.join(named.axes)})")
     return DenseFactor(scope, array)

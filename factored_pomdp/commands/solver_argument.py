@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from factored_pomdp.commands.answers import InputError, side_console
+from factored_pomdp.commands.compiling import compiling_told
 
 if TYPE_CHECKING:
     from factored_pomdp.model import FactoredPOMDP
@@ -49,7 +50,7 @@ def solved(model: FactoredPOMDP, name: str, limits: dict[str, Any]) -> Any:
     if not ability:
         raise TooLarge(f"{name} cannot take {model.name}: {ability.because}; {ability.estimate}")
     try:
-        with progress_line() as tell:
+        with compiling_told(), progress_line() as tell:
             return kind(model).solve(kind.limits(**limits, progress=tell))
     except TooLarge:
         raise

@@ -72,7 +72,7 @@ def test_everything_that_is_wrong_is_said_at_once() -> None:
     said = "\n".join(found)
     for expected in [
         "variable ghost.next: found the ending '.next'; expected a name without it",
-        "variable sky: found a state and a observation; expected a name used once",
+        "variable sky: found the name of two: state and observation; expected a name used once",
         "known: found the unknown state 'sea'; expected a state variable",
         "transition of sky.next at sky=sun: found probabilities that sum to 1.1; expected sum 1",
         "transition of sky.next at sky=rain, sky.next=sun: found -0.4; expected a probability in [0, 1]",
@@ -97,7 +97,7 @@ def test_everything_that_is_wrong_is_said_at_once() -> None:
     [
         ({"states": []}, "states: found none; expected at least one variable"),
         ({"actions": []}, "actions: found none; expected at least one variable"),
-        ({"actions": [ACT, SKY]}, "variable sky: found a state and a action; expected a name used once"),
+        ({"actions": [ACT, SKY]}, "variable sky: found the name of two: state and action; expected a name used once"),
         ({"groups": [["sky", "sea"]]}, "group ('sky', 'sea'): found the unknown state 'sea'"),
         ({"known": ["sky"]}, "known sky: found an uncertain start; expected a certain initial value"),
         ({"discount": 1.5}, "discount: found 1.5; expected a number in [0, 1]"),

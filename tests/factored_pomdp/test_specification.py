@@ -157,6 +157,10 @@ def test_a_large_function_with_few_outcomes_is_kept_sparse() -> None:
             "here: found an array of shape (2, 2, 2); expected shape (2, 2) for (weather, weather.next)",
         ),
         (
+            table("weather", "weather.next", values=[[1, 0], [1]]),
+            "here: found rows of different lengths, or values that are no numbers; expected numbers in shape (2, 2)",
+        ),
+        (
             table("weather", "weather.next", values={"sun": {"sun": 1}}),
             "here: found no entry for weather='rain'; expected every value listed",
         ),

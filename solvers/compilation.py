@@ -2,7 +2,8 @@
 
 Compiling happens once on a machine, and the first user waits for it; so it is kept short. Parts have no face for
 Python. Nothing is allocated in a loop, so that arrays need no counting of references (``_nrt``): room to work in is
-handed in, and only numbers are returned.
+handed in, and only numbers are returned. What is kept on disk is taken as long as the file of the function that Python
+calls stands as it was: after a change to a part in another file, touch that one.
 """
 
 from __future__ import annotations

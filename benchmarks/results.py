@@ -9,7 +9,6 @@ change of the program that changes runs.
 from __future__ import annotations
 
 import argparse
-import shlex
 import sys
 from pathlib import Path
 
@@ -25,10 +24,10 @@ from results_runs import simulated
 from results_sensitivity import SENSITIVITY, read_slices, variants
 from results_sensitivity import rows as sensitivity_rows
 from results_sensitivity_figures import draw_sensitivity
-from results_sensitivity_text import PUBLISHED_RUNS as FEW_RUNS
+from results_sensitivity_text import FULL_RUNS as FEW_RUNS
 from results_sensitivity_text import page as sensitivity_page
 from results_table import RUNS, Key, Results, write_rows, write_text
-from results_text import PUBLISHED_RUNS, page
+from results_text import FULL_RUNS, page
 
 from surveillance_domain.commands.options import processors
 from surveillance_domain.experiments.kept_runs import KeptRuns
@@ -48,7 +47,7 @@ def main() -> None:
     figures = given.out / "figures"
     for folder in (figures, given.work):
         folder.mkdir(parents=True, exist_ok=True)
-    runs = given.runs or (PUBLISHED_RUNS if given.full else QUICK_RUNS)
+    runs = given.runs or (FULL_RUNS if given.full else QUICK_RUNS)
     kept = KeptRuns(given.work / "runs.jsonl")
     if given.only in (None, "comparison"):
         cases = list(comparison(EXTENT, given.seed, runs, min(runs, FEW_RUNS)))
@@ -66,29 +65,29 @@ def main() -> None:
             print(f"No {' or '.join(map(str, absent))}: recorded people stay as they are", file=sys.stderr)
         else:
             learn_and_watch(SCENES, TRAJECTORIES, figures, given.seed, None if given.full else runs)
-    _write_pages(given.out, figures, _command())
+    _write_pages(given.out, figures)
 
 
-def _write_pages(out: Path, figures: Path, command: str) -> None:
+def _write_pages(out: Path, figures: Path) -> None:
     """Every page whose data is there."""
     results = Results.read(figures / RUNS)
     draw_figures(results, figures)
     sections = [section(figures) for section in SECTIONS]
-    write_text(out / "results.md", "\n".join([page(results, command), *filter(None, sections)]))
+    write_text(out / "results.md", "\n".join([page(results), *filter(None, sections)]))
     if (figures / SENSITIVITY).exists():
         slices = read_slices(figures, results)
         draw_sensitivity(results, slices, figures)
-        write_text(out / "results-sensitivity.md", sensitivity_page(results, slices, command))
+        write_text(out / "results-sensitivity.md", sensitivity_page(results, slices))
     if (figures / PEOPLE).exists():
         people = read_people(figures)
         draw_people(people, SCENES, figures)
-        write_text(out / "results-people.md", people_page(people, SCENES, command))
+        write_text(out / "results-people.md", people_page(people, SCENES))
     print(f"Written: the pages in {out} and the figures in {figures}")
 
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--full", action="store_true", help=f"{PUBLISHED_RUNS} runs a point instead of {QUICK_RUNS}")
+    parser.add_argument("--full", action="store_true", help=f"{FULL_RUNS} runs a point instead of {QUICK_RUNS}")
     parser.add_argument("--runs", type=int, help="another number of runs")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=processors())
@@ -98,14 +97,6 @@ def _arguments() -> argparse.Namespace:
         "--only", choices=("comparison", "sensitivity", "people", "pages"), help="one part, the rest as it stands"
     )
     return parser.parse_args()
-
-
-def _command() -> str:
-    """The command that makes the runs anew, without what only says how."""
-    parser = argparse.ArgumentParser(add_help=False)
-    for name in ("--only", "--workers", "--work", "--out"):
-        parser.add_argument(name)
-    return shlex.join(["python", "benchmarks/results.py", *parser.parse_known_args()[1]])
 
 
 if __name__ == "__main__":

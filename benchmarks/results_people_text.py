@@ -14,6 +14,8 @@ from results_words import VERDICTS, fill, made_by, signed, table, unsigned, word
 from surveillance_domain.experiments.estimates import Estimate, estimate
 from surveillance_domain.experiments.variants import ALL_NAMES, BOUNDS
 
+FULL_WINDOWS = 19
+"""Of the longest recording."""
 NAMES = {**ALL_NAMES, GUESSED: "P, guessed motion"}
 RIVALS = tuple(name for name in WATCHING if name != "pomdp")
 _ABOUT = """Recorded people in the place of simulated targets: they do not follow the model, come and go as they please,
@@ -75,13 +77,13 @@ def read_people(figures: Path) -> People:
     return People(windows, read_rows(figures / FITS), int(row["seed"]))
 
 
-def page(people: People, scenes: Sequence[Scene], command: str) -> str:
+def page(people: People, scenes: Sequence[Scene]) -> str:
     """The whole page."""
     return (
         "\n\n".join(
             [
                 "# Recorded people",
-                _opening(people, scenes, command),
+                _opening(people, scenes),
                 fill(_ABOUT),
                 _rankings(people, scenes),
                 "![PercentObs against recorded people](figures/people.png)",
@@ -96,13 +98,14 @@ def page(people: People, scenes: Sequence[Scene], command: str) -> str:
     )
 
 
-def _opening(people: People, scenes: Sequence[Scene], command: str) -> str:
+def _opening(people: People, scenes: Sequence[Scene]) -> str:
     told = []
     for scene in scenes:
         count = len(people.windows[scene.name, "pomdp"])
         met = people.mean(scene.name, "pomdp", "people").mean
         told.append(f"{count} windows of {scene.title} ({met:.0f} people in a window)")
-    found = made_by(command, 1, 1)
+    longest = max(len(people.windows[scene.name, "pomdp"]) for scene in scenes)
+    found = made_by(longest, FULL_WINDOWS, people.seed)
     return fill(f"{found}: {words(told)}, each of {STEPS} steps of a second, seed {people.seed}.")
 
 

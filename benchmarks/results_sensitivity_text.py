@@ -15,7 +15,7 @@ from results_words import fill, judged, made_by, signed, table, words
 from surveillance_domain.experiments.estimates import Estimate
 from surveillance_domain.experiments.variants import ALL_NAMES
 
-PUBLISHED_RUNS = 20
+FULL_RUNS = 20
 INTRODUCED = {
     "walls": """The paper does not say what becomes of a move that ends in a wall. *reject*: the rest of the moves is
         renormalised; *reflect*: mirrored like a ball; *stay*: the target stops before the wall.""",
@@ -28,18 +28,18 @@ INTRODUCED = {
 }
 
 
-def page(comparison: Results, slices: Slices, command: str) -> str:
+def page(comparison: Results, slices: Slices) -> str:
     """The whole page."""
-    parts = [_opening(slices, command), _flips(slices)]
+    parts = [_opening(slices), _flips(slices)]
     parts += [_section(parameter, slices) for parameter in PARAMETERS]
     parts += [kappa_section(comparison), _out_of_sight(comparison)]
     return "\n\n".join(parts) + "\n"
 
 
-def _opening(slices: Slices, command: str) -> str:
+def _opening(slices: Slices) -> str:
     first = next(iter(slices.values()))
     counts = words(dict.fromkeys(str(count) for _, count in places(slices)))
-    text = f"""{made_by(command, first.runs, PUBLISHED_RUNS)}: {first.runs} runs of {first.steps} steps a point, seed
+    text = f"""{made_by(first.runs, FULL_RUNS, first.seed)}: {first.runs} runs of {first.steps} steps a point, seed
     {first.seed}, with {counts} targets, on the worlds of the [results](results.md). One parameter
     is changed at a time; grid truth, unless a table says otherwise. Targets move by what the belief holds, so the
     problem changes and the model stays right, except where a controller is *unaware* of the change. Differences are

@@ -16,7 +16,7 @@ from surveillance_domain.model.views import static_views
 
 BASELINES = ("mp", "msp", "sys", "stat")
 BOUNDS = ("full-information", "clairvoyant")
-PUBLISHED_RUNS = 50
+FULL_RUNS = 50
 
 
 _RANKING = """## Which rankings hold
@@ -33,10 +33,10 @@ _STARTED_ANEW = """How often a sighting was impossible for P's belief, per 1000 
 happen; under continuous truth it measures the misfit of the grid."""
 
 
-def page(results: Results, command: str) -> str:
+def page(results: Results) -> str:
     """The whole page."""
     parts = [
-        _opening(results, command),
+        _opening(results),
         _ranking(results),
         _why_msp(results),
         _bounds(results),
@@ -47,9 +47,9 @@ def page(results: Results, command: str) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _opening(results: Results, command: str) -> str:
+def _opening(results: Results) -> str:
     counts = words(str(m) for m in dict.fromkeys(panel[2] for panel in results.panels))
-    text = f"""{made_by(command, results.runs, PUBLISHED_RUNS)}: {results.runs} runs of {results.steps} steps for each
+    text = f"""{made_by(results.runs, FULL_RUNS, results.seed)}: {results.runs} runs of {results.steps} steps for each
 controller, site, number of targets ({counts}) and kind of truth, seed {results.seed}; run r is the same world for every
 controller. PercentObs is the paper's measure (sec. expdis). Intervals are Student's 95 % intervals over runs; those
 of differences are paired, run by run. Camera poses, σ₀ and κ stand in the built-in site files, fixed and justified

@@ -44,7 +44,8 @@ def words(parts: Iterable[str]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
-def made_by(command: str, runs: int, published: int) -> str:
-    """Which command made a page, and whether it is the published form."""
-    form = "" if runs >= published else f"; the quick form, the published one has {published} runs"
-    return f"Made by `make results` (`{command}`{form})"
+def made_by(runs: int, full: int, seed: int) -> str:
+    """The command that makes so many runs, and how many its full form makes."""
+    form, more = ("--full", "") if runs >= full else (f"--runs {runs}", f"; the full form makes {full}")
+    seeded = f" --seed {seed}" if seed else ""
+    return f"Made by `make results` (`python benchmarks/results.py {form}{seeded}`{more})"

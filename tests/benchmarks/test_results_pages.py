@@ -102,10 +102,8 @@ def test_a_controller_that_is_unaware_believes_in_the_site_as_it_is(results: Mod
 
 @pytest.mark.example
 def test_the_page_says_which_rankings_hold(results: ModuleType) -> None:
-    text = flat(results.page(results.Results.of(comparison_rows()), "python benchmarks/results.py --full"))
-    assert (
-        "`python benchmarks/results.py --full`; the quick form, the published one has 50 runs): 2 runs of 100" in text
-    )
+    text = flat(results.page(results.Results.of(comparison_rows())))
+    assert "`python benchmarks/results.py --runs 2`; the full form makes 50): 2 runs of 100" in text
     assert "P above MP: holds in 3 of 3 panels; P − MP is +10.0 to +10.0 points." in text
     assert "P above MSP: holds in 0 of 3 panels, fails in 3 (hall 3)" in text
     assert "P knows 80 % on average, MSP 95 %." in text
@@ -148,7 +146,7 @@ def test_a_ranking_that_turns_over_is_named_with_its_reason(results: ModuleType,
                     rows.append({**made, "controller": f"{row['controller']}:unaware", "percent": worse})
     write_rows(tmp_path / SENSITIVITY, rows[0], [list(row.values()) for row in rows])
     slices = read_slices(tmp_path, comparison)
-    text = flat(results.sensitivity_page(comparison, slices, "command"))
+    text = flat(results.sensitivity_page(comparison, slices))
     assert (
         "- what walls do to a move, hall, m = 20: P − MSP is reject: -1.0 ± 0.0, reflect: -1.0 ± 0.0, "
         "stay: +2.0 ± 0.0; it goes with what they know (m = 5: from reject to stay P knows 80 → 80 %, MSP 95 → 92 %)."
@@ -187,7 +185,7 @@ def test_of_people_what_fails_is_said_first(results: ModuleType) -> None:
     fit |= {"random_walk": "-3", "constant_velocity": "-1.5", "faster": "61.2"}
     zara = results.SCENES[1]
     people = People({**windows, **{("zara01", name): of for (_, name), of in windows.items()}}, [fit], 0)
-    text = flat(results.people_page(people, results.SCENES, "command"))
+    text = flat(results.people_page(people, results.SCENES))
     assert text.index("- **fails**: eth: P above MSP, -2.0 ± 0.0") < text.index("- undecided: eth: P above Stat")
     assert text.index("- undecided: eth: P above Stat, +0.0 ± 0.0") < text.index("- holds: eth: P above MP, +5.0 ± 0.0")
     # 100 target-steps with nobody unmet, 200 with 30 %; 6 restarts in 300.
@@ -219,7 +217,7 @@ def test_the_command_makes_every_page_and_goes_on_from_what_is_kept(
     assert set(pages) == {"results.md", "results-sensitivity.md", "results-people.md"}
     pictures = {path.stem for path in (out / "figures").glob("*.png")}
     assert pictures == {"comparison-grid", "kappa", "sensitivity-walls", "people"}
-    assert "`python benchmarks/results.py --runs 2`" in pages["results.md"]
+    assert "`python benchmarks/results.py --runs 2`" in pages["results-people.md"]
     kept = (work / "runs.jsonl").read_text()
     assert len(kept.splitlines()) == len(set(kept.splitlines()))
 

@@ -10,7 +10,7 @@ from results_table import Results
 from results_words import fill, signed, table
 
 _INTRODUCED = """P − MSP in points, for σ = σ₀ + κ · distance with the site's σ₀ and another κ for all static cameras of
-the site. *Turns*: where the mean difference crosses zero, by linear interpolation."""
+the site ({runs} runs). *Turns*: where the mean difference crosses zero, by linear interpolation."""
 
 
 def kappa_section(results: Results) -> str:
@@ -26,9 +26,10 @@ def kappa_section(results: Results) -> str:
         cases = [("msp", kappa) for kappa in kappas] + [("pomdp", "")]
         shares = [results.mean(truth, site, KNOWN_COUNT, *case, what="known").mean for case in cases]
         known.append([truth, site, *(f"{share:.0f} %" for share in shares)])
+    runs = len(results.samples(*results.with_runs_of("msp", kappas[0])[0], "msp", kappas[0]))
     parts = [
         "## Noise of the static cameras",
-        fill(_INTRODUCED),
+        fill(_INTRODUCED.format(runs=runs)),
         "![P − MSP against κ](figures/kappa.png)",
         table(["truth", "site", "m", *heads, "turns at κ ≈"], rows, 2),
         fill(f"Share of target-steps at which MSP knows where a target is (m = {KNOWN_COUNT}), with P's beside it:"),

@@ -149,8 +149,9 @@ def _out_of_sight(results: Results) -> str:
     leads = {(panel, name): results.lead(*panel, name) for panel in panels for name in names}
     kept = [results.lead(*panel, "mp", ours=name).mean for panel in panels for name in OUT_OF_SIGHT]
     sure = sum(lead.verdict > 0 for lead in leads.values())
-    said = f"""P minus the variant. Keeping targets in mind changes MP by {min(kept):+.1f} to {max(kept):+.1f} points;
-    the interval of P minus the variant lies above zero in {sure} of {len(leads)} cases."""
+    runs = len(results.samples(*panels[0], OUT_OF_SIGHT[0]))
+    said = f"""P minus the variant ({runs} runs). Keeping targets in mind changes MP by {min(kept):+.1f} to
+    {max(kept):+.1f} points; the interval of P minus the variant lies above zero in {sure} of {len(leads)} cases."""
     rows = [[*panel, *(signed(leads[panel, name]) for name in names)] for panel in panels]
     made = table(["truth", "site", "m", *names.values()], rows, 2)
     return "\n\n".join(["## What MP does with a target out of sight", fill(said), made])

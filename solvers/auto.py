@@ -30,6 +30,7 @@ __all__ = ["Auto"]
 _FEW_STATES = 30
 _RUNS = 400
 _FEWEST_RUNS = 10
+_TRIED = 2
 _SURE = 0.99
 
 
@@ -92,7 +93,7 @@ class Auto:
         model = self.model
         half = None if limits.time_limit is None else limits.time_limit / 2
         upper, notes = block_bound(model, limits.horizon, half)
-        steps = limits.horizon or steps_that_matter(model)
+        steps = limits.horizon or self._affordable(steps_that_matter(model), watch)
         returns, lower, stopped = Returns(model, steps), -math.inf, "solved"
         try:
             for number, total in enumerate(episodes(model, DecomposedMyopic(model), _RUNS, steps, seed=0), 1):
@@ -114,3 +115,14 @@ class Auto:
         return Solution(
             "myopic", lower, upper, watch.seconds, limits.horizon, 0, 0, stopped, None, said, lower_is="statistical"
         )
+
+    def _affordable(self, steps: int, watch: Stopwatch) -> int:
+        """So many of the steps that the fewest runs come to an end within the time that is left."""
+        if watch.left is None:
+            return steps
+        pace = 0.0
+        for _ in range(2):  # the first time may compile
+            started = watch.seconds
+            list(episodes(self.model, DecomposedMyopic(self.model), 1, _TRIED, seed=0))
+            pace = (watch.seconds - started) / _TRIED
+        return max(1, min(steps, int(watch.left / max(pace, 1e-9) / _FEWEST_RUNS)))

@@ -25,7 +25,7 @@ __all__ = ["load_policy", "save_policy"]
 _FORMAT = "factored-pomdp policy 1"
 
 
-def save_policy(policy: VectorPolicy, path: Path) -> None:
+def save_policy(policy: VectorPolicy, path: str | Path) -> None:
     """Write a policy; the file is there in full or not at all."""
     header = {
         "format": _FORMAT,
@@ -40,6 +40,7 @@ def save_policy(policy: VectorPolicy, path: Path) -> None:
     arrays: dict[str, Any] = {"header": np.array(json.dumps(header))}
     for number, stage in enumerate(policy.stages):
         arrays |= {f"{number}.{name}": array for name, array in _arrays(stage).items()}
+    path = Path(path)
     beside = path.with_name(path.name + ".part")
     try:
         with beside.open("wb") as file:
@@ -49,7 +50,7 @@ def save_policy(policy: VectorPolicy, path: Path) -> None:
         beside.unlink(missing_ok=True)
 
 
-def load_policy(path: Path, model: FactoredPOMDP) -> VectorPolicy:
+def load_policy(path: str | Path, model: FactoredPOMDP) -> VectorPolicy:
     """Read a policy for a model.
 
     Raises
@@ -57,6 +58,7 @@ def load_policy(path: Path, model: FactoredPOMDP) -> VectorPolicy:
     ValueError
         Naming the file: it is no policy, or one of another model.
     """
+    path = Path(path)
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
             arrays = {name: content[name] for name in content.files}

@@ -136,6 +136,11 @@ class Stopwatch:
     def is_over(self) -> bool:
         return self._limit is not None and self.seconds >= self._limit
 
+    @property
+    def left(self) -> float | None:
+        """Seconds that are left; ``None`` without a limit."""
+        return None if self._limit is None else max(0.0, self._limit - self.seconds)
+
 
 class Clock(Stopwatch):
     """A solver's stopwatch; refuses an infinite horizon without discount.

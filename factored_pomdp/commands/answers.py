@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import functools
 import json
+import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from contextvars import ContextVar
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -15,7 +17,17 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.table import Table
 
-__all__ = ["COMMAND_LINE", "AsJson", "InputError", "answer", "guarded", "plain", "side_console", "table"]
+__all__ = [
+    "COMMAND_LINE",
+    "AsJson",
+    "InputError",
+    "answer",
+    "checked_output",
+    "guarded",
+    "plain",
+    "side_console",
+    "table",
+]
 
 COMMAND_LINE: ContextVar[str] = ContextVar("COMMAND_LINE", default="factored-pomdp")
 """The command as it could be typed again."""
@@ -29,6 +41,10 @@ class InputError(ValueError):
     """What the user gave is wrong; the message says what would be right."""
 
 
+class Refused(Exception):
+    """The answer is no; the message says why."""
+
+
 def guarded(command: Callable[..., None]) -> Callable[..., None]:
     """The command with wrong input, refusals and Ctrl-C turned into one message and an exit code."""
 
@@ -40,6 +56,8 @@ def guarded(command: Callable[..., None]) -> Callable[..., None]:
             command(*arguments, **options)
         except InputError as problem:
             _refuse(str(problem), 2, as_json=bool(options.get("as_json")))
+        except Refused as problem:
+            _refuse(str(problem), 1, as_json=bool(options.get("as_json")))
         except TooLarge as problem:
             _refuse(f"too large: {problem}", 1, as_json=bool(options.get("as_json")))
         except KeyboardInterrupt:
@@ -57,6 +75,23 @@ def answer(content: Mapping[str, Any], shown: Iterable[RenderableType], *, as_js
     console = _console(stderr=False)
     for part in shown:
         console.print(part)
+
+
+def checked_output(option: str, path: Path) -> Path:
+    """A file that can be written, as far as can be known before long work begins.
+
+    Raises
+    ------
+    InputError
+        Saying why not.
+    """
+    if path.is_dir() or not path.name:
+        raise InputError(f"{option} {path}: a folder; expected the name of a file")
+    if not path.parent.is_dir():
+        raise InputError(f"{option} {path}: there is no folder {path.parent}")
+    if not os.access(path.parent, os.W_OK):
+        raise InputError(f"{option} {path}: no permission to write in {path.parent}")
+    return path
 
 
 def side_console() -> Console:

@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Annotated, Any, TextIO
 
 import typer
 
-from factored_pomdp.commands.answers import COMMAND_LINE, INTERRUPTED, AsJson, InputError, answer, side_console, table
+from factored_pomdp.commands.answers import (
+    COMMAND_LINE,
+    INTERRUPTED,
+    AsJson,
+    InputError,
+    answer,
+    checked_output,
+    side_console,
+    table,
+)
 from factored_pomdp.commands.model_argument import ModelName, Options, load_model
 from factored_pomdp.commands.solver_argument import Precision, TimeLimit, solved, solver_named
 
@@ -26,7 +35,9 @@ def simulate(
     policy: Annotated[str, typer.Option(help="A file that `solve --out` wrote, or the name of a solver.")],
     option: Options = None,
     runs: Annotated[int, typer.Option(min=2, help="Number of runs.")] = 1000,
-    steps: Annotated[int | None, typer.Option(min=1, help="Of each run; where left out, as many as matter.")] = None,
+    steps: Annotated[
+        int | None, typer.Option(min=1, help="Of each run; where left out, the policy's horizon, or as many as matter.")
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of everything that is drawn at random.")] = 0,
     trace: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write a line of JSON for every step of every run.")
@@ -42,16 +53,23 @@ def simulate(
     from factored_pomdp.provenance import digest, provenance
 
     loaded = load_model(model, option)
-    if steps is None and loaded.discount >= 1 and loaded.terminal is None:
+    if trace is not None:
+        checked_output("--trace", trace)
+    side = side_console()
+    kept = _kept_policy(loaded, policy)
+    planned = kept.horizon if kept is not None else None
+    length = steps or planned or (steps_that_matter(loaded) if loaded.discount < 1 else None)
+    if length is None:
         raise InputError(f"{loaded.name} has discount 1: give --steps")
-    length = steps if steps is not None else steps_that_matter(loaded)
-    actor = _actor(
-        loaded, policy, {"precision": precision, "time_limit": time_limit, "horizon": _horizon(loaded, length)}
-    )
+    if planned is not None and planned != length:
+        told = f"{policy} plans for {planned:,} steps, and runs have {length:,}: its bounds are not about these runs"
+        side.print(told, style="yellow", soft_wrap=True)
+    horizon = length if loaded.discount >= 1 else None
+    limits = {"precision": precision, "time_limit": time_limit, "horizon": horizon}
+    actor = kept if kept is not None else _actor(loaded, policy, limits)
     carried = provenance(COMMAND_LINE.get(), {"model": digest(loaded)}, seed)
     returns, interrupted = Returns(loaded, length), False
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    side = side_console()
     shown = Progress(*columns, console=side, transient=True, disable=not side.is_terminal)
     with _written(trace) as lines, shown:
         task = shown.add_task("simulating", total=runs)
@@ -89,17 +107,18 @@ def simulate(
         raise typer.Exit(INTERRUPTED)
 
 
-def _horizon(model: FactoredPOMDP, steps: int) -> int | None:
-    return steps if model.discount >= 1 else None
+def _kept_policy(model: FactoredPOMDP, name: str) -> Any | None:
+    """A policy from a file; ``None`` where a solver is named."""
+    if not (os.path.sep in name or Path(name).suffix or Path(name).is_file()):
+        return None
+    try:
+        return solver_named("auto").load_policy(Path(name), model)
+    except ValueError as problem:
+        raise InputError(str(problem)) from problem
 
 
 def _actor(model: FactoredPOMDP, name: str, limits: dict[str, Any]) -> Any:
-    """Whoever chooses: a policy from a file, a solver that chooses step by step, or what a solver makes."""
-    if os.path.sep in name or name.endswith(".npz") or Path(name).is_file():
-        try:
-            return solver_named("auto").load_policy(Path(name), model)
-        except ValueError as problem:
-            raise InputError(str(problem)) from problem
+    """Whoever chooses: a solver that chooses step by step, or what a solver makes."""
     kind = solver_named(name)
     if hasattr(kind, "solve"):
         return solved(model, name, limits).policy or solver_named("myopic")(model)
@@ -115,8 +134,6 @@ def _written(path: Path | None) -> Iterator[TextIO | None]:
     if path is None:
         yield None
         return
-    if not path.parent.is_dir():
-        raise InputError(f"--trace {path}: there is no folder {path.parent}")
     beside = path.with_name(path.name + ".part")
     try:
         with beside.open("w", encoding="utf-8") as lines:

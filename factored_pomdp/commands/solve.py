@@ -7,7 +7,15 @@ from typing import Annotated, Any
 
 import typer
 
-from factored_pomdp.commands.answers import COMMAND_LINE, AsJson, InputError, answer, side_console, table
+from factored_pomdp.commands.answers import (
+    COMMAND_LINE,
+    AsJson,
+    InputError,
+    answer,
+    checked_output,
+    side_console,
+    table,
+)
 from factored_pomdp.commands.model_argument import ModelName, Options, load_model
 from factored_pomdp.commands.picture import checked_picture, written_picture
 from factored_pomdp.commands.solver_argument import Horizon, Precision, Solver, TimeLimit, solved
@@ -31,8 +39,8 @@ def solve(
     """Solve a model: a lower and an upper bound on its value, and a policy; Ctrl-C gives the best so far."""
     from factored_pomdp.provenance import digest, provenance
 
-    if out is not None and not out.parent.is_dir():
-        raise InputError(f"--out {out}: there is no folder {out.parent}")
+    if out is not None:
+        checked_output("--out", out)
     if picture is not None:
         checked_picture("--picture", picture)
     loaded = load_model(model, option)

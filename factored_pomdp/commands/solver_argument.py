@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from factored_pomdp.commands.answers import InputError, side_console
+from factored_pomdp.commands.answers import InputError, Refused, side_console
 from factored_pomdp.commands.compiling import compiling_told
 
 if TYPE_CHECKING:
@@ -38,7 +38,9 @@ def solved(model: FactoredPOMDP, name: str, limits: dict[str, Any]) -> Any:
     Raises
     ------
     InputError
-        Where the solver only chooses step by step, or cannot take the model.
+        Where the solver only chooses step by step, or something is left out that it needs.
+    Refused
+        Where it cannot take the model.
     TooLarge
     """
     from factored_pomdp.errors import TooLarge
@@ -48,7 +50,7 @@ def solved(model: FactoredPOMDP, name: str, limits: dict[str, Any]) -> Any:
         raise InputError(f"{name} chooses step by step and gives no bounds; `simulate --policy {name}` runs it")
     ability = kind.can_solve(model)
     if not ability:
-        raise TooLarge(f"{name} cannot take {model.name}: {ability.because}; {ability.estimate}")
+        raise Refused(f"{name} cannot take {model.name}: {ability.because}; {ability.estimate}")
     try:
         with compiling_told(), progress_line() as tell:
             return kind(model).solve(kind.limits(**limits, progress=tell))

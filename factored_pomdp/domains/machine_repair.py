@@ -18,6 +18,8 @@ _EARNS = {"good": 1.0, "worn": 0.6, "broken": 0.0}
 _WEAR = {"good": {"good": 0.9, "worn": 0.1}, "worn": {"worn": 0.8, "broken": 0.2}, "broken": {"broken": 1.0}}
 _PART_IS_GOOD = {"good": 0.95, "worn": 0.6, "broken": 0.1}
 
+_MOST_MACHINES = 10_000
+
 
 def machine_repair(machines: int = 3, coupled: bool = False, discount: float = 0.95) -> FactoredPOMDP:
     """A network of machines to repair.
@@ -25,13 +27,13 @@ def machine_repair(machines: int = 3, coupled: bool = False, discount: float = 0
     Parameters
     ----------
     machines : int
-        At least one.
+        From 1 to 10,000.
     coupled : bool
         Whether a broken machine wears out the next one faster.
     discount : float
     """
-    if machines < 1:
-        raise ValueError(f"machines={machines}: expected at least 1")
+    if not 1 <= machines <= _MOST_MACHINES:
+        raise ValueError(f"machines={machines}: expected 1 to {_MOST_MACHINES:,}")
     names = [f"machine{number}" for number in range(1, machines + 1)]
     hands = {name: f"{name}.hand" for name in names}
     parts = {name: f"{name}.part" for name in names}

@@ -33,6 +33,7 @@ _USUAL_HALF_EFFICIENCY = 20.0
 _MOVES = {"north": (0, 1), "east": (1, 0), "south": (0, -1), "west": (-1, 0)}
 _OUTSIDE = "outside"
 _MOST_ROCKS = 11
+_MOST_COLUMNS = 100
 
 
 def rocksample(
@@ -43,7 +44,7 @@ def rocksample(
     Parameters
     ----------
     n : int
-        Columns and rows of the map, at least 2.
+        Columns and rows of the map, from 2 to 100.
     k : int
         Rocks, from 1 to 11, and no more than cells.
     seed : int, optional
@@ -54,7 +55,7 @@ def rocksample(
     discount : float
     """
     most = min(_MOST_ROCKS, n * n) if n >= 2 else _MOST_ROCKS
-    wrong = [f"n={n}: expected at least 2"] if n < 2 else []
+    wrong = [] if 2 <= n <= _MOST_COLUMNS else [f"n={n}: expected 2 to {_MOST_COLUMNS}"]
     wrong += [f"k={k}: expected 1 to {most} rocks"] if not 1 <= k <= most else []
     if half_efficiency is None:
         half_efficiency = _HALF_EFFICIENCY.get((n, k), _USUAL_HALF_EFFICIENCY)

@@ -21,6 +21,8 @@ _RUNS_NEXT = {
     ("down", "down"): 0.0238,
 }
 
+_MOST_MACHINES = 500
+
 
 def sysadmin(
     machines: int = 4, accuracy: float = 0.95, reboot_cost: float = 0.0, discount: float = 0.95
@@ -30,14 +32,14 @@ def sysadmin(
     Parameters
     ----------
     machines : int
-        At least 2.
+        From 2 to 500.
     accuracy : float
         Probability that the answer to a ping is right; 1 shows everything.
     reboot_cost : float
         What a reboot costs; a computer that runs earns 1 a step.
     discount : float
     """
-    wrong = [f"machines={machines}: expected at least 2"] if machines < 2 else []
+    wrong = [] if 2 <= machines <= _MOST_MACHINES else [f"machines={machines}: expected 2 to {_MOST_MACHINES:,}"]
     wrong += [f"accuracy={accuracy}: expected a number from 0.5 to 1"] if not 0.5 <= accuracy <= 1 else []
     if wrong:
         raise ValueError("; ".join(wrong))

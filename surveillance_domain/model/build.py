@@ -26,6 +26,8 @@ __all__ = ["OUTSIDE", "UNSEEN", "Surveillance", "motion_parameters", "surveillan
 UNSEEN = "unseen"
 """The null observation φ: no camera detected the target. Its probability outside of every view is one."""
 
+_MOST_TARGETS = 100_000
+
 OUTSIDE = "outside"
 """Where a target is that left by a door: the last value of its location, where the site has doors."""
 
@@ -78,12 +80,12 @@ def surveillance_model(site: Site, targets: int, discount: float = 1.0) -> Surve
     Raises
     ------
     ValueError
-        If there are no targets.
+        If there are no targets, or more than a hundred thousand.
     SiteError
         If a preset sees nothing.
     """
-    if targets < 1:
-        raise ValueError(f"targets={targets}: expected 1 or more")
+    if not 1 <= targets <= _MOST_TARGETS:
+        raise ValueError(f"targets={targets}: expected 1 to {_MOST_TARGETS:,}")
     views = build_views(site)
     pattern = _Pattern(site, views, motion_tables(site.grid, motion_parameters(site)))
     names = target_names(site, targets)

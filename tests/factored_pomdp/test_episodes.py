@@ -142,11 +142,15 @@ def test_simulate_counts_runs_that_were_cut(tmp_path: Any, capsys: pytest.Captur
     short = simulated("--steps", "2")
     assert 0 < short["cut"] < 60
     assert short["truncation_error"] is None
-    long = simulated()
+    long = simulated("--steps", "500")
     assert (long["cut"], long["truncation_error"]) == (0, 0.0)
     assert long["ci95"][0] < -2.0 < long["ci95"][1]
     several = simulated("-o", "number=3", "-o", "discount=0.5", "--steps", "1")
     assert several["truncation_error"] == pytest.approx(several["cut"] / 60)
+    with pytest.raises(SystemExit) as refused:
+        main(["simulate", model, "--policy", "myopic", "--runs", "60"])
+    assert refused.value.code == 2
+    assert "discount 1: give --steps" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         main(["simulate", model, "--policy", "myopic", "--runs", "100", "--steps", "2"])
     assert "no bound at discount 1" in capsys.readouterr().out

@@ -75,7 +75,10 @@ def test_a_step_by_step_solver_is_simulated(capsys: pytest.CaptureFixture[str]) 
         (("solve", "tiger", "--precision", "0"), 2, "precision 0"),
         (("solve", "tiger", "--out", "/nowhere/policy.npz"), 2, "no folder /nowhere"),
         (("solve", "tiger", "-o", "discount=1", "--solver", "point-based"), 1, "discount 1"),
-        (("solve", "machine-repair", "-o", "machines=16", "--solver", "point-based"), 1, "too large"),
+        (("solve", "machine-repair", "-o", "machines=16", "--solver", "point-based"), 1, "too many to list"),
+        (("solve", "tiger", "--out", "."), 2, "--out .: a folder; expected the name of a file"),
+        (("simulate", "tiger", "--policy", "qmdp", "--trace", "."), 2, "--trace .: a folder"),
+        (("simulate", "tiger", "--policy", "tiger.pomdp"), 2, "tiger.pomdp: no such file"),
         (("simulate", "tiger", "--policy", "missing.npz"), 2, "no such file"),
         (("simulate", "tiger", "--policy", "myopic", "-o", "discount=1"), 2, "give --steps"),
     ],
@@ -87,3 +90,28 @@ def test_what_is_wrong_is_said(
     assert found == code
     assert message in refusal["error"]
     assert "Traceback" not in errors
+
+
+def test_runs_are_as_long_as_the_policy_plans(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    policy = str(tmp_path / "three.npz")
+    _, solved, _ = _run(capsys, "solve", "tiger", "--solver", "exact", "--horizon", "3", "--out", policy)
+    code, simulated, said = _run(capsys, "simulate", "tiger", "--policy", policy, "--runs", "2000")
+    assert (code, simulated["steps"], said) == (0, 3, "")
+    low, high = simulated["ci95"]
+    assert low - 1 < solved["lower"] < high + 1
+    code, longer, said = _run(capsys, "simulate", "tiger", "--policy", policy, "--runs", "5", "--steps", "4")
+    assert (code, longer["steps"]) == (0, 4)
+    assert "plans for 3 steps, and runs have 4" in said
+    code, _, _ = _run(capsys, "simulate", "tiger", "-o", "discount=1", "--policy", policy, "--runs", "5")
+    assert code == 2
+
+
+def test_a_time_limit_holds_where_blocks_are_simulated(capsys: pytest.CaptureFixture[str]) -> None:
+    """Ten runs of all the steps that matter would take many times as long."""
+    arguments = ("solve", "machine-repair", "-o", "machines=16", "-o", "discount=0.999", "--time-limit", "1")
+    code, found, _ = _run(capsys, *arguments)
+    assert code == 0
+    assert (found["stopped"], found["lower_is"]) == ("time limit", "statistical")
+    assert found["lower"] < found["upper"]
+    steps = int(found["notes"][-1].partition("runs of ")[2].split()[0])
+    assert steps < 5000

@@ -43,8 +43,9 @@ def test_overrides_reach_every_camera():
     [
         ({"site": "nosuch"}, r"nosuch: found no such file; expected .* built-in sites corridor, .*, tiny"),
         ({"site": "hal"}, r"did you mean hall"),
-        ({"targets": 0}, r"targets=0: expected 1 or more"),
-        ({"targets": -1}, r"targets=-1: expected 1 or more"),
+        ({"targets": 0}, r"targets=0: expected 1 to 100,000"),
+        ({"targets": 10**9}, r"targets=1000000000: expected 1 to 100,000"),
+        ({"targets": -1}, r"targets=-1: expected 1 to 100,000"),
         ({"targets": "two"}, r"targets=two: .*integer"),
         ({"targets": 1.5}, r"targets=1.5: .*integer"),
         ({"detection_probability": 1.5}, r"detection_probability: found 1.5; expected a probability, 0 to 1"),

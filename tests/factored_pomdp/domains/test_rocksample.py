@@ -99,7 +99,7 @@ def test_joint_and_decomposed_agree() -> None:
 
 @pytest.mark.example
 def test_wrong_options_are_all_named() -> None:
-    with pytest.raises(ValueError, match=r"n=1: expected at least 2; k=0: expected 1 to 11 rocks; half_efficiency=-1"):
+    with pytest.raises(ValueError, match=r"n=1: expected 2 to 100; k=0: expected 1 to 11 rocks; half_efficiency=-1"):
         fp.domain("rocksample", n=1, k=0, half_efficiency=-1)
     with pytest.raises(ValueError, match="k=5: expected 1 to 4 rocks"):
         fp.domain("rocksample", n=2, k=5)

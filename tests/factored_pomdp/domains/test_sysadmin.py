@@ -58,5 +58,5 @@ def test_joint_and_decomposed_solvers_agree() -> None:
 
 @pytest.mark.example
 def test_options_of_sysadmin_are_checked() -> None:
-    with pytest.raises(ValueError, match=r"machines=1: expected at least 2; accuracy=0.2: expected a number from 0.5"):
+    with pytest.raises(ValueError, match=r"machines=1: expected 2 to 500; accuracy=0.2: expected a number from 0.5"):
         fp.domain("sysadmin", machines=1, accuracy=0.2)

@@ -330,5 +330,5 @@ def test_targets_are_named_as_the_site_knows_them():
 @pytest.mark.example
 @pytest.mark.parametrize("targets", [0, -1])
 def test_no_targets_are_refused(targets):
-    with pytest.raises(ValueError, match=rf"targets={targets}: expected 1 or more"):
+    with pytest.raises(ValueError, match=rf"targets={targets}: expected 1 to 100,000"):
         surveillance_model(altered("tiny"), targets)

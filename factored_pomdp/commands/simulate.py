@@ -21,6 +21,7 @@ from factored_pomdp.commands.answers import (
     side_console,
     table,
 )
+from factored_pomdp.commands.compiling import compiling_told
 from factored_pomdp.commands.model_argument import ModelName, Options, load_model
 from factored_pomdp.commands.solver_argument import Precision, TimeLimit, solved, solver_named
 
@@ -71,7 +72,7 @@ def simulate(
     returns, interrupted = Returns(loaded, length), False
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     shown = Progress(*columns, console=side, transient=True, disable=not side.is_terminal)
-    with _written(trace) as lines, shown:
+    with compiling_told(), _written(trace) as lines, shown:
         task = shown.add_task("simulating", total=runs)
         try:
             for total in episodes(loaded, actor, runs, length, seed, lines):

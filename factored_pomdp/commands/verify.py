@@ -17,6 +17,7 @@ from factored_pomdp.commands.answers import (
     side_console,
     table,
 )
+from factored_pomdp.commands.compiling import compiling_told
 from factored_pomdp.commands.model_argument import ModelName, Options, load_model
 
 if TYPE_CHECKING:
@@ -53,7 +54,8 @@ def verify(
     found, interrupted = Verification(), False
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     side = side_console()
-    with Progress(*columns, console=side, transient=True, disable=not side.is_terminal) as progress:
+    shown = Progress(*columns, console=side, transient=True, disable=not side.is_terminal)
+    with compiling_told(), shown as progress:
         task = progress.add_task("comparing", total=beliefs + runs * steps)
         try:
             rng = np.random.default_rng(seed)

@@ -29,7 +29,7 @@ class TwoStates:
     names : tuple of str
         Of all actions.
     probabilities, lower, upper : (P,) float
-        Bounds along the axis.
+        Bounds along the axis; the upper one is convex, as the optimal value is.
     """
 
     axis: str
@@ -61,4 +61,18 @@ def two_states(policy: VectorPolicy) -> TwoStates:
     values = zip(flat.model.states, indexes, strict=True)
     axis = ", ".join(f"{v.name} = {v.values[int(i)]}" for v, i in values if v.size > 1)
     names = tuple(", ".join(str(value) for value in action.values()) for action in flat.actions)
-    return TwoStates(axis, vectors, actions, names, probabilities, bounds[:, 0], bounds[:, 1])
+    return TwoStates(axis, vectors, actions, names, probabilities, bounds[:, 0], _below(probabilities, bounds[:, 1]))
+
+
+def _below(places: Float[np.ndarray, " points"], upper: Float[np.ndarray, " points"]) -> Float[np.ndarray, " points"]:
+    """The largest convex function that is nowhere above: a bound too, as the optimal value is convex."""
+    corners: list[int] = []
+    for new in range(len(places)):
+        while len(corners) > 1:
+            before, last = corners[-2:]
+            slope = (upper[last] - upper[before]) / (places[last] - places[before])
+            if upper[new] > upper[before] + slope * (places[new] - places[before]):
+                break
+            corners.pop()
+        corners.append(new)
+    return np.interp(places, places[corners], upper[corners])

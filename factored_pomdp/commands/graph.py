@@ -20,7 +20,7 @@ def graph(
     option: Options = None,
     as_json: AsJson = False,
 ) -> None:
-    """Draw a model's graph over two slices: what is known, blocks of one shape in a plate, ties in red."""
+    """Draw a model's graph over two slices: what is known, blocks of one shape in a plate, ties in orange."""
     from factored_pomdp.pictures.graph import draw_graph
     from factored_pomdp.provenance import digest, provenance
 

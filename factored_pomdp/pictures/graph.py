@@ -1,7 +1,7 @@
 """A model's graph: a dynamic influence diagram of two slices.
 
 Circles are chance variables (white: hidden, blue: known, grey: observed), squares actions, diamonds rewards, an octagon
-the end of the episode. Blocks of one shape stand once, in a plate. What ties blocks together is drawn in red.
+the end of the episode. Blocks of one shape stand once, in a plate. What ties blocks together is drawn in orange.
 """
 
 from __future__ import annotations

@@ -48,6 +48,7 @@ def test_what_is_drawn() -> None:
 def test_a_gap_shows_the_upper_bound() -> None:
     shown = PointBased(fp.domain("tiger")).solve(Limits(precision=3.0)).two_states()
     assert (shown.upper >= shown.lower - 1e-9).all()
+    assert (np.diff(shown.upper, 2) >= -1e-9).all()  # convex
     middle = len(shown.probabilities) // 2
     assert shown.lower[middle] <= 19.371368 <= shown.upper[middle]
     (axes,) = draw_vectors(shown, "tiger").get_axes()

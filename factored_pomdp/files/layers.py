@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from factored_pomdp.errors import TooLarge
+from factored_pomdp.files.doubts import Doubts
 
 __all__ = ["MOST_ENTRIES", "Entries", "Layers"]
 
@@ -93,6 +94,11 @@ class Layers:
     shape : sequence of int
         Sizes of the axes.
 
+    Attributes
+    ----------
+    doubts : Doubts
+        Where statements could not be read.
+
     Notes
     -----
     Coordinates are sequences with a value's position for each axis, or -1 where all of them are meant. ``stamp`` must
@@ -107,6 +113,7 @@ class Layers:
         self._columns: dict[int, _Column] = {0: _Column()}
         self._blocks: list[_Block] = []
         self._used = 0
+        self.doubts = Doubts(self.shape)
 
     def scalar(self, coordinates: Sequence[int], number: float, stamp: int) -> None:
         """One number for a whole box."""

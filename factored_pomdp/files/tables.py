@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,6 +29,8 @@ def as_distribution(
 ) -> Factor | None:
     """The distribution of a child given those parents on which it depends, or ``None`` after its faults were noted.
 
+    Where parts of the table are in doubt, only what is wrong whatever they mean is noted.
+
     Parameters
     ----------
     layers : Layers
@@ -41,14 +45,23 @@ def as_distribution(
         faults.note(None, where, f"{count(parents):,} distributions", f"at most {MOST_ENTRIES:,}")
         return None
     before = len(faults)
+    rows = _rows(entries, scope, child)
+    axes = [axis for axis in entries.axes if scope[axis] != child]
+    touched, since = layers.doubts.rows(axes) if layers.doubts else (None, None)
     wrong = ~((entries.numbers >= 0) & (entries.numbers <= 1 + TOLERANCE))
-    for position in np.flatnonzero(wrong)[:_MOST_ROWS]:
+    told = wrong if since is None else wrong & (entries.stamps > since[rows])
+    for position in np.flatnonzero(told)[:_MOST_ROWS]:
         at = _at(kept, entries.coordinates[position])
         faults.note(
             int(entries.stamps[position]), where + at, f"{entries.numbers[position]:g}", "a probability in [0, 1]"
         )
-    _check_sums(entries, kept, parents, wrong, where, faults)
-    return None if len(faults) > before else as_factor(entries, kept)
+    sums = _Sums.of(entries, rows, count(parents))
+    off = ~(np.abs(sums.totals - 1) <= TOLERANCE)
+    off[rows[wrong]] = False
+    if touched is not None:
+        off &= ~touched | (sums.whole & (sums.last > since))
+    _note_sums(sums, off, parents, where, faults)
+    return None if len(faults) > before or layers.doubts else as_factor(entries, kept)
 
 
 def as_reward(layers: Layers, scope: Sequence[Variable], where: str, faults: FaultList) -> Factor | None:
@@ -61,7 +74,7 @@ def as_reward(layers: Layers, scope: Sequence[Variable], where: str, faults: Fau
     for position in np.flatnonzero(~np.isfinite(entries.numbers))[:_MOST_ROWS]:
         at = _at(kept, entries.coordinates[position])
         faults.note(int(entries.stamps[position]), where + at, f"{entries.numbers[position]:g}", "a finite number")
-    return None if len(faults) > before else as_factor(entries, kept)
+    return None if len(faults) > before or layers.doubts else as_factor(entries, kept)
 
 
 def as_factor(entries: Entries, scope: Sequence[Variable]) -> Factor:
@@ -75,36 +88,52 @@ def as_factor(entries: Entries, scope: Sequence[Variable]) -> Factor:
     return DenseFactor(scope, array)
 
 
+@dataclass(frozen=True)
+class _Sums:
+    """What is said of each row: the sum, the last stamp (-1: none), and whether one statement says several numbers."""
+
+    totals: np.ndarray
+    last: np.ndarray
+    whole: np.ndarray
+
+    @classmethod
+    def of(cls, entries: Entries, rows: np.ndarray, number: int) -> _Sums:
+        last = np.full(number, -1, dtype=np.int64)
+        np.maximum.at(last, rows, entries.stamps)
+        mixed = np.zeros(number, dtype=bool)
+        mixed[rows[entries.stamps != last[rows]]] = True
+        totals = np.bincount(rows, weights=entries.numbers, minlength=number)
+        return cls(totals, last, ~mixed & (np.bincount(rows, minlength=number) > 1))
+
+
 def _entries(layers: Layers, keep: Sequence[int], where: str, faults: FaultList) -> Entries | None:
+    if faults.full:
+        return None
     try:
-        return layers.entries(keep)
+        if layers.doubts:
+            with suppress(TooLarge):
+                return layers.entries([*keep, *layers.doubts.axes])
+        found = layers.entries(keep)
     except TooLarge as problem:
         faults.note(None, where, str(problem), "a smaller table")
         return None
+    return None if layers.doubts else found
 
 
-def _check_sums(
-    entries: Entries,
-    scope: Sequence[Variable],
-    parents: Sequence[Variable],
-    wrong: np.ndarray,
-    where: str,
-    faults: FaultList,
-) -> None:
+def _rows(entries: Entries, scope: Sequence[Variable], child: Variable) -> np.ndarray:
     rows = np.zeros(len(entries.numbers), dtype=np.int64)
-    for axis, variable in enumerate(scope):
-        if variable in parents:
-            rows = rows * variable.size + entries.coordinates[:, axis]
-    sums = np.bincount(rows, weights=entries.numbers, minlength=count(parents))
-    off = ~(np.abs(sums - 1) <= TOLERANCE)
-    off[rows[wrong]] = False
-    stamps = np.full(len(sums), -1, dtype=np.int64)
-    np.maximum.at(stamps, rows, entries.stamps)
+    for column, axis in enumerate(entries.axes):
+        if scope[axis] != child:
+            rows = rows * scope[axis].size + entries.coordinates[:, column]
+    return rows
+
+
+def _note_sums(sums: _Sums, off: np.ndarray, parents: Sequence[Variable], where: str, faults: FaultList) -> None:
     positions = np.flatnonzero(off)
     for position in positions[:_MOST_ROWS]:
         at = unflatten(np.array([position]), tuple(parents))[0]
-        stamp = int(stamps[position])
-        found = "no distribution" if stamp < 0 else f"probabilities that sum to {sums[position]:.9g}"
+        stamp = int(sums.last[position])
+        found = "no distribution" if stamp < 0 else f"probabilities that sum to {sums.totals[position]:.9g}"
         faults.note(stamp if stamp >= 0 else None, where + _at(parents, at), found, "sum 1")
     if len(positions) > _MOST_ROWS:
         faults.note(None, where, f"{len(positions) - _MOST_ROWS:,} more such distributions", "sum 1")

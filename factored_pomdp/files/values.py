@@ -9,10 +9,13 @@ import numpy as np
 from factored_pomdp.errors import did_you_mean
 from factored_pomdp.variables import Variable
 
-__all__ = ["MOST_VALUES", "all_numbers", "lookup", "near"]
+__all__ = ["LONGEST_NAME", "MOST_VALUES", "all_numbers", "lookup", "near"]
 
 MOST_VALUES = 500_000
 """Values that a file may name or count for one variable."""
+
+LONGEST_NAME = 1_000
+"""Characters that a name may have."""
 
 _MOST_COMPARED = 500
 
@@ -33,5 +36,6 @@ def lookup(variable: Variable) -> dict[str, int]:
 
 
 def near(word: str, names: Collection[object]) -> str:
-    """As `did_you_mean`, but among many names only how many there are: comparing takes time for each of them."""
-    return did_you_mean(word, names) if len(names) <= _MOST_COMPARED else f" (there are {len(names):,})"
+    """As `did_you_mean`, but among many names, or for a huge one, only how many there are: comparing takes its time."""
+    comparable = len(names) <= _MOST_COMPARED and len(word) <= LONGEST_NAME
+    return did_you_mean(word, names) if comparable else f" (there are {len(names):,})"

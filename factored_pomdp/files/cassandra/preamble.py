@@ -8,14 +8,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from factored_pomdp.files.cassandra.tokens import Tokens
+from factored_pomdp.files.cassandra.tokens import LISTS, Tokens
 from factored_pomdp.files.faults import FaultList, shortened
-from factored_pomdp.files.values import MOST_VALUES, all_numbers, lookup, near
+from factored_pomdp.files.values import LONGEST_NAME, MOST_VALUES, all_numbers, lookup, near
+from factored_pomdp.validation import TOLERANCE
 from factored_pomdp.variables import Variable
 
 __all__ = ["KEYWORDS", "Preamble"]
-
-LISTS = {"states": "state", "actions": "action", "observations": "observation"}
 
 
 @dataclass
@@ -28,8 +27,7 @@ class Preamble:
         ``states``, ``actions`` and ``observations``. Those that are counted and not named have the values ``"0"``,
         ``"1"``, ….
     start : (N,) float
-    start_stamp : int or None
-        Where the start stands.
+        Uniform where the file does not say, or says none that is right.
     costs : bool
         Whether rewards are costs.
     """
@@ -39,8 +37,8 @@ class Preamble:
     costs: bool = False
     variables: dict[str, Variable] = field(default_factory=dict)
     start: np.ndarray | None = None
-    start_stamp: int | None = None
     _said: set[str] = field(default_factory=set)
+    _meant: set[str] = field(default_factory=set)
 
     def read(self, keyword: str, tokens: Tokens, begin: int, end: int) -> None:
         """Read what follows a keyword and its colon: the words from ``begin`` up to ``end``."""
@@ -53,10 +51,18 @@ class Preamble:
             return
         READERS[keyword](self, keyword, tokens, begin, end)
 
+    def lost(self, keyword: str) -> bool:
+        """Whether the file says a list of names, but not so that it could be read."""
+        return keyword in self._said | self._meant and keyword not in self.variables
+
+    def was_meant(self, keyword: str) -> None:
+        """Take note that a keyword stands in the file, it seems, though it cannot be read."""
+        self._meant.add(keyword)
+
     def check_complete(self) -> None:
         """Note what is missing; a file without observations is a Markov decision process."""
         for keyword in ("discount", "states", "actions"):
-            if keyword not in self._said:
+            if keyword not in self._said | self._meant:
                 self.faults.note(None, keyword, "nothing", EXPECTED[keyword])
 
     def belief(self) -> np.ndarray:
@@ -90,19 +96,25 @@ class Preamble:
             self.faults.note(begin, keyword, f"{len(names):,} names", f"at most {MOST_VALUES:,}")
             return
         seen: set[str] = set()
+        before = len(self.faults)
         for position, name in enumerate(names):
             if name in seen:
                 self.faults.note(begin + position, keyword, f"{shortened(name)} again", "every name once")
-                if self.faults.full:
-                    return
+            if len(name) > LONGEST_NAME:
+                found = f"{shortened(name)}, a name of {len(name):,} characters"
+                self.faults.note(begin + position, keyword, found, f"at most {LONGEST_NAME:,}")
+            if self.faults.full:
+                return
             seen.add(name)
+        if len(self.faults) > before:
+            return
         self.variables[keyword] = Variable(LISTS[keyword], dict.fromkeys(names))
 
     def _start(self, keyword: str, tokens: Tokens, begin: int, end: int) -> None:
         states, words = self.variables.get("states"), tokens[begin:end]
-        self.start_stamp = begin
         if states is None:
-            self.faults.note(begin, keyword, "a start", "'states:' before it")
+            if not self.lost("states"):
+                self.faults.note(begin, keyword, "a start", "'states:' before it")
             return
         if keyword != "start":
             self._some(keyword, states, words, begin)
@@ -116,7 +128,16 @@ class Preamble:
                 what = f"{len(words):,} words" if numbers is None else f"{len(numbers):,} numbers"
                 self.faults.note(begin, keyword, what, f"{states.size:,} probabilities, one for each state")
                 return
-            self.start = numbers
+            if self._is_distribution(numbers, begin):
+                self.start = numbers
+
+    def _is_distribution(self, numbers: np.ndarray, begin: int) -> bool:
+        before = len(self.faults)
+        if not ((numbers >= 0) & (numbers <= 1 + TOLERANCE)).all():
+            self.faults.note(begin, "start", "a number outside of [0, 1]", "probabilities")
+        elif not abs(numbers.sum() - 1) <= TOLERANCE:
+            self.faults.note(begin, "start", f"probabilities that sum to {numbers.sum():.9g}", "sum 1")
+        return len(self.faults) == before
 
     def _some(self, keyword: str, states: Variable, words: list[str], begin: int) -> None:
         find = lookup(states)

@@ -15,6 +15,7 @@ read before the first step).
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -28,12 +29,16 @@ from factored_pomdp.files.cassandra.tokens import Tokens
 from factored_pomdp.files.faults import FaultList, FileError, FileFault, shortened
 from factored_pomdp.files.tables import as_distribution, as_reward
 from factored_pomdp.files.text import as_text, read_bytes
-from factored_pomdp.files.values import near
+from factored_pomdp.files.values import LONGEST_NAME, near
 from factored_pomdp.model import FactoredPOMDP
-from factored_pomdp.validation import TOLERANCE
 from factored_pomdp.variables import Variable
 
 __all__ = ["read_cassandra"]
+
+_FEWEST_WORDS = 4
+"""Words and colons of the shortest statement about a table."""
+
+_NEEDED = ("discount", "states", "actions", "observations")
 
 
 def read_cassandra(path: Path) -> FactoredPOMDP:
@@ -54,30 +59,38 @@ def read_cassandra(path: Path) -> FactoredPOMDP:
     preamble = Preamble(faults)
     try:
         statements = _read_all(tokens, preamble, faults)
-        preamble.check_complete()
-        faults.raise_if_any(path, tokens.lines_of)
-        statements = statements or Statements(tokens, preamble, faults)
     except TooLarge as problem:
         raise FileError(path, [FileFault("states, actions and observations", str(problem), "fewer of them")]) from None
-    return _model(path, tokens, preamble, statements, faults)
+    if tokens.cut:
+        if not len(faults):
+            faults.note(len(tokens) - 1, "statement", "more words than any can have here", "the next statement")
+        faults.raise_if_any(path, tokens.lines_of)
+    preamble.check_complete()
+    tables = {} if statements is None else _tables(statements, faults)
+    faults.raise_if_any(path, tokens.lines_of)
+    return _model(path, preamble, tables)
 
 
 def _read_all(tokens: Tokens, preamble: Preamble, faults: FaultList) -> Statements | None:
-    """Read preamble and tables; gives the tables, if there are any."""
+    """Read preamble and tables; gives the tables, unless it cannot be told what they are about."""
     statements: Statements | None = None
+    skipped, unread = False, None
     position = 0
     while position < len(tokens) and not faults.full:
         keyword, after = _keyword(tokens, position)
         if keyword in LETTERS:
-            if statements is None:
-                if not {"states", "actions"} <= preamble.variables.keys():
-                    if not len(faults):
-                        faults.note(position, keyword, "a table", "'states:' and 'actions:' before it")
-                    break
+            missing = [needed for needed in ("states", "actions") if needed not in preamble.variables]
+            if statements is None and not missing:
                 statements = Statements(tokens, preamble, faults)
-            position = statements.read(position)
+            if statements is None or skipped:
+                if not skipped and not all(map(preamble.lost, missing)):
+                    faults.note(position, keyword, "a table", "'states:' and 'actions:' before it")
+                skipped = True
+                position = tokens.table_end(position)
+            else:
+                position = statements.read(position)
         elif keyword in KEYWORDS:
-            end = _next_statement(tokens, after)
+            end = tokens.statement_end(after)
             if keyword == "observations" and statements is not None:
                 faults.note(position, keyword, "a list behind the first table", "it before all tables")
             else:
@@ -85,9 +98,25 @@ def _read_all(tokens: Tokens, preamble: Preamble, faults: FaultList) -> Statemen
             position = end
         else:
             known = [*KEYWORDS, *LETTERS]
-            faults.note(position, "statement", shortened(tokens[position]), f"a keyword{near(keyword, known)}")
-            position = _next_known(tokens, position + 1)
-    return statements
+            word = tokens[position]
+            faults.note(position, "statement", shortened(word), f"a keyword{near(word, known)}")
+            _take_for_what_it_may_be(word, preamble)
+            end = _next_known(tokens, position + 1)
+            unread = position if end - position >= _FEWEST_WORDS else unread
+            position = end
+    if statements is None and not skipped and {"states", "actions"} <= preamble.variables.keys():
+        statements = Statements(tokens, preamble, faults)
+    if unread is not None and statements is not None:
+        for kind in statements.kinds.values():
+            kind.layers.doubts.add_everything(unread, certain=False)
+    return None if skipped else statements
+
+
+def _take_for_what_it_may_be(word: str, preamble: Preamble) -> None:
+    """Count a misspelt keyword of the preamble as said, so that it is not missed as well."""
+    close = get_close_matches(word.lower(), _NEEDED, n=1) if len(word) <= LONGEST_NAME else []
+    for keyword in close:
+        preamble.was_meant(keyword)
 
 
 def _keyword(tokens: Tokens, position: int) -> tuple[str, int]:
@@ -100,38 +129,32 @@ def _keyword(tokens: Tokens, position: int) -> tuple[str, int]:
     return "", position
 
 
-def _next_statement(tokens: Tokens, begin: int) -> int:
-    """Where a list of words ends: before the word that a colon follows."""
-    try:
-        colon = tokens.index(":", begin)
-    except ValueError:
-        return len(tokens)
-    two_words = colon - 2 >= begin and tokens[colon - 2].lower() == "start"
-    if two_words and tokens[colon - 1].lower() in ("include", "exclude"):
-        return colon - 2
-    return max(colon - 1, begin)
-
-
 def _next_known(tokens: Tokens, begin: int) -> int:
     """Where the next keyword stands."""
-    for position, (word, after) in enumerate(zip(tokens[begin:], [*tokens[begin + 1 :], ""], strict=False), begin):
-        if (after == ":" and (word in LETTERS or word.lower() in KEYWORDS)) or word.lower() == "start":
+    for position in range(begin, len(tokens)):
+        word = tokens[position]
+        colon = tokens[position + 1 : position + 2] == [":"]
+        if (colon and (word in LETTERS or word.lower() in KEYWORDS)) or word.lower() == "start":
             return position
     return len(tokens)
 
 
-def _model(path: Path, tokens: Tokens, preamble: Preamble, statements: Statements, faults: FaultList) -> FactoredPOMDP:
+def _tables(statements: Statements, faults: FaultList) -> dict[str, Factor | None]:
+    """The factor of each table by its letter; what is wrong with them is noted."""
+    found: dict[str, Factor | None] = {}
+    for letter, about in (("T", "transition of state.next"), ("O", "observation of observation"), ("R", "reward")):
+        kind = statements.kinds.get(letter)
+        if kind is not None and letter == "R":
+            found[letter] = as_reward(kind.layers, kind.scope, about, faults)
+        elif kind is not None:
+            found[letter] = as_distribution(kind.layers, kind.scope, kind.scope[-1], about, faults)
+    return found
+
+
+def _model(path: Path, preamble: Preamble, tables: dict[str, Factor | None]) -> FactoredPOMDP:
     state, action = preamble.variables["states"], preamble.variables["actions"]
     seen = preamble.variables.get("observations")
-    _check_start(preamble, faults)
-    transition, reward = statements.kinds["T"], statements.kinds["R"]
-    moves = as_distribution(transition.layers, transition.scope, state.next, f"transition of {state.next.name}", faults)
-    earned = as_reward(reward.layers, reward.scope, "reward", faults)
-    views: Factor | None = None
-    if seen is not None:
-        table = statements.kinds["O"]
-        views = as_distribution(table.layers, table.scope, seen, f"observation of {seen.name}", faults)
-    faults.raise_if_any(path, tokens.lines_of)
+    views, earned = tables.get("O"), tables["R"]
     if preamble.costs and earned is not None:
         earned = _negated(earned)
     belief = preamble.belief()
@@ -149,7 +172,7 @@ def _model(path: Path, tokens: Tokens, preamble: Preamble, statements: Statement
         states=[state],
         actions=[action],
         observations=[] if seen is None else [seen],
-        transition={"state": moves},
+        transition={"state": tables["T"]},
         observation={} if seen is None else {"observation": views},
         reward={"reward": earned},
         initial={"state": DenseFactor([state], belief)},
@@ -157,15 +180,6 @@ def _model(path: Path, tokens: Tokens, preamble: Preamble, statements: Statement
         known=known,
     )
     return with_notes(model, notes)
-
-
-def _check_start(preamble: Preamble, faults: FaultList) -> None:
-    belief = preamble.belief()
-    where = "start"
-    if not ((belief >= 0) & (belief <= 1 + TOLERANCE)).all():
-        faults.note(preamble.start_stamp, where, "a number outside of [0, 1]", "probabilities")
-    elif not abs(belief.sum() - 1) <= TOLERANCE:
-        faults.note(preamble.start_stamp, where, f"probabilities that sum to {belief.sum():.9g}", "sum 1")
 
 
 def _negated(reward: Factor) -> Factor:

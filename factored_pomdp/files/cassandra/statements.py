@@ -23,6 +23,8 @@ _FEWEST = {"T": 1, "O": 1, "R": 2}
 
 
 _MOST_AT_ONCE = 1 << 16
+_MOST_TOLD = 20
+"""Words of one statement that are listed one by one."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,9 @@ class Statements:
         positions = {variable.name: lookup(variable) for variable in variables.values()}
         state, action = variables["states"], variables["actions"]
         seen = (variables["observations"],) if "observations" in variables else ()
-        scopes = {"T": (action, state, state.next), "R": (action, state, state.next, *seen)}
+        scopes: dict[str, tuple[Variable, ...]] = {"T": (action, state, state.next)}
+        if not preamble.lost("observations"):
+            scopes["R"] = (action, state, state.next, *seen)
         if seen:
             scopes["O"] = (action, state.next, *seen)
         self.kinds = {
@@ -61,8 +65,12 @@ class Statements:
                 return end
             kind = self.kinds.get(tokens[begin])
             if kind is None:
-                self.faults.note(begin, "O", "an observation table", "'observations:' before it")
-                return end
+                if not self.preamble.lost("observations"):
+                    self.faults.note(begin, "O", "an observation table", "'observations:' before it")
+                    self.preamble.was_meant("observations")
+                    self.kinds.pop("R")
+                begin = tokens.table_end(begin)
+                continue
             begin = self._run(kind, begin) or self._general(kind, begin)
         return begin
 
@@ -107,7 +115,12 @@ class Statements:
         if len(names) < _FEWEST[kind.letter]:
             self.faults.note(begin, kind.letter, "an action only", "an action and a state before the numbers")
         end = self._body(kind, coordinates, len(names), begin, body, sound=len(self.faults) == before)
-        return self._past_surplus(kind, end, told=len(self.faults) > before)
+        end = self._past_surplus(kind, end, told=len(self.faults) > before)
+        if len(self.faults) > before:
+            places = zip(names, kind.positions[:-1], strict=False)
+            certain = all(self._word(position) in known for position, known in places)
+            kind.layers.doubts.add(coordinates, begin, certain=certain)
+        return end
 
     def _position(self, kind: _Kind, axis: int, position: int) -> int:
         word, variable = self._word(position), kind.scope[axis]
@@ -139,8 +152,8 @@ class Statements:
             needed = f"{expected:,} numbers ({' × '.join(str(kind.scope[axis].size) for axis in along)})"
             return self._past_incomplete(kind.letter + self._names(begin, named), body, needed if along else "a number")
         if not np.isfinite(numbers).all():
-            place = body + int(np.flatnonzero(~np.isfinite(numbers))[0])
-            self.faults.note(place, kind.letter, shortened(self.tokens[place]), "a finite number")
+            for place in (body + np.flatnonzero(~np.isfinite(numbers))[:_MOST_TOLD]).tolist():
+                self.faults.note(place, kind.letter, shortened(self.tokens[place]), "a finite number")
         elif sound and along:
             kind.layers.array(coordinates, along, numbers, begin)
         elif sound:
@@ -160,21 +173,24 @@ class Statements:
             self.faults.note(begin, kind.letter, word, expected)
 
     def _past_incomplete(self, where: str, body: int, needed: str) -> int:
-        """Note that numbers are missing, or the word that stands in their place; returns the position after it."""
-        end = after_numbers(self.tokens, body)
-        begins_another = self._word(end + 1) == ":" or (self._word(end) == "start" and self._word(end + 2) == ":")
-        if end < len(self.tokens) and not begins_another:
-            self.faults.note(end, where, shortened(self.tokens[end]), needed)
-            return end + 1
-        found = f"{end - body:,} numbers" if end < len(self.tokens) or end > body else "the end of the file"
-        self.faults.note(min(body, len(self.tokens) - 1), where, found, needed)
+        """Note that numbers are missing, or the words that stand in their place; returns where the statement ends."""
+        end = self.tokens.statement_end(min(body, len(self.tokens)))
+        wrong = after_numbers(self.tokens, body)
+        told = 0
+        while wrong < end and told < _MOST_TOLD:
+            self.faults.note(wrong, where, shortened(self.tokens[wrong]), needed)
+            wrong, told = after_numbers(self.tokens, wrong + 1), told + 1
+        if not told:
+            found = f"{end - body:,} numbers" if end < len(self.tokens) or end > body else "the end of the file"
+            self.faults.note(min(body, len(self.tokens) - 1), where, found, needed)
         return end
 
     def _past_surplus(self, kind: _Kind, end: int, *, told: bool) -> int:
         """Note numbers up to the next statement that belong to none (unless something else was wrong already)."""
         after = after_numbers(self.tokens, end)
         if after > end and not told:
-            self.faults.note(end, kind.letter, f"{after - end:,} more numbers than expected", "the next statement")
+            number = "many" if self.tokens.cut and after == len(self.tokens) else f"{after - end:,}"
+            self.faults.note(end, kind.letter, f"{number} more numbers than expected", "the next statement")
         return after
 
     def _names(self, begin: int, named: int) -> str:

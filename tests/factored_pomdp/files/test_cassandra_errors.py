@@ -141,6 +141,62 @@ def test_several_wrong_sums_at_once(tmp_path: Path) -> None:
 
 
 @pytest.mark.example
+def test_wrong_numbers_are_told_beside_wrong_words(tmp_path: Path) -> None:
+    text = """discount: 0.95
+states: a b c
+actions: go stay
+observations: x y
+start: 0.2 0.2 0.2
+T: go : a
+0.5 0.4 0.0
+T: gone : a : b 0.3
+T: go : b : 7 1
+T: stay identity
+O: go
+0.5 0.5
+0.2 0.9
+-0.2 1.2
+O: saty uniform
+Q: 1
+"""
+    assert [fault.split("; ")[0] for fault in faults(tmp_path, text)] == [
+        "line 5: start: found probabilities that sum to 0.6",
+        "line 6: transition of state.next at action=go, state=a: found probabilities that sum to 0.9",
+        "line 8: T: found 'gone'",
+        "line 9: T: found '7'",
+        "line 11: observation of observation at action=go, state.next=c, observation=x: found -0.2",
+        "line 11: observation of observation at action=go, state.next=c, observation=y: found 1.2",
+        "line 11: observation of observation at action=go, state.next=b: found probabilities that sum to 1.1",
+        "line 15: O: found 'saty'",
+        "line 16: statement: found 'Q'",
+        "transition of state.next at action=go, state=c: found no distribution",
+    ]
+
+
+@pytest.mark.example
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("T: open uniform", "T: opne uniform"),
+        ("T: open uniform", "T: * identical"),
+        ("T: open uniform", "T: open : left uniform\nT: open : right"),
+        ("T: open uniform", "Tr: open uniform"),
+        ("observations: l r", "observations: l l"),
+        ("observations: l r", "observation: l r"),
+        ("observations: l r\n", ""),
+        ("states: left right", "states: left left"),
+        ("states: left right", "state: left right"),
+        ("actions: listen open", "actions: 0"),
+        ("T: listen identity", "start: 0.5 0.6\nT: listen reset"),
+        ("T: listen identity", "T: listen : left : left 1\nT: listen : right : rihgt 1"),
+        ("discount: 0.95", "discuont: 0.95"),
+    ],
+)
+def test_a_fault_has_no_faults_as_its_consequence(tmp_path: Path, old: str, new: str) -> None:
+    assert len(faults(tmp_path, GOOD.replace(old, new))) == 1
+
+
+@pytest.mark.example
 def test_the_good_file_is_good(tmp_path: Path) -> None:
     path = tmp_path / "good.POMDP"
     path.write_text(GOOD)

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import factored_pomdp as fp
+from factored_pomdp.files.cassandra.tokens import Tokens
 from tests.factored_pomdp.files.test_cassandra_errors import GOOD as FLAT
 from tests.factored_pomdp.files.test_pomdpx_errors import GOOD as XML
 
@@ -78,6 +79,13 @@ def refused(path: Path, content: str | bytes) -> str:
             HEAD.format(states=3, actions=1, observations=2) + "T: 0 : 0\n" + "1 " * 50_000,
             "more numbers than expected",
         ),
+        ("states: " + "a" * 2_000_000, "a name of 2,000,000 characters; expected at most 1,000"),
+        (FLAT + "T: " + "a" * 2_000_000 + " identity", "expected an action (there are 2) or *"),
+        (
+            HEAD.format(states=3, actions=1, observations=2) + "T: * " + "0.5 " * 2_000_000,
+            "found many more numbers than expected",
+        ),
+        ("states: " + "".join(f"s{k} " for k in range(1_200_000)), "names; expected at most 500,000"),
         (FLAT[: len(FLAT) // 2], "found"),
     ],
 )
@@ -85,6 +93,16 @@ def test_flat_files(tmp_path: Path, content: str | bytes, expected: str) -> None
     message = refused(tmp_path / "bad.pomdp", content)
     assert expected in message
     assert len(message) < 10_000
+
+
+@pytest.mark.example
+def test_a_text_is_taken_apart_no_further_than_its_lists_allow() -> None:
+    head = "states: 1500\nactions: 1\nobservations: 2\nT: * "
+    whole = Tokens(head + "0 " * 1500**2 + "O: * uniform")
+    assert (whole.cut, len(whole)) == (False, 1500**2 + 16)
+    cut = Tokens(head + "0 " * (1500**2 + 1_200_000))
+    assert cut.cut
+    assert 1500**2 + 12 < len(cut) < 1500**2 + 40
 
 
 @pytest.mark.example

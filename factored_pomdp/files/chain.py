@@ -68,6 +68,8 @@ def _merged(layers: Layers, parents: int, size: int) -> Layers:
     order = np.argsort(entries.stamps, kind="stable")
     coordinates = np.column_stack([entries.coordinates[:, :parents], last])
     merged.scalars(coordinates[order], entries.numbers[order], entries.stamps[order])
+    for (box, _), stamp in layers.doubts.boxes.items():
+        merged.doubts.add([*box[:parents], -1], max(stamp, int(entries.stamps.max(initial=-1))))
     return merged
 
 

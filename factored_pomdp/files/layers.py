@@ -177,6 +177,16 @@ class Layers:
         coordinates = np.stack(columns, axis=1) if axes else np.zeros((len(keys), 0), dtype=np.int64)
         return Entries(axes, coordinates, numbers[holds], stamps[holds])
 
+    def has_wide_numbers(self) -> bool:
+        """Whether numbers other than zero, each for many places, alone may make up too many entries."""
+        axes = self._axes(())
+        made = (
+            int(np.count_nonzero(column.arrays()[1])) * self._extent(free, axes)
+            for free, column in self._columns.items()
+            if free
+        )
+        return sum(made) > MOST_ENTRIES
+
     def _add(self, block: _Block) -> None:
         self._used |= block.along
         self._blocks.append(block)

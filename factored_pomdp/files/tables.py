@@ -20,6 +20,10 @@ __all__ = ["as_distribution", "as_factor", "as_reward"]
 
 _SPARSE_FROM = 100_000
 _SPARSE_BELOW = 0.25
+_WITHOUT_DEFAULT = (
+    "no number but 0 for so many places that has exceptions: a default makes every place an entry "
+    "(in a .pomdpx file it can be a reward of its own)"
+)
 _MOST_ROWS = 100
 """Faulty rows of one table that are listed one by one."""
 
@@ -66,7 +70,7 @@ def as_distribution(
 
 def as_reward(layers: Layers, scope: Sequence[Variable], where: str, faults: FaultList) -> Factor | None:
     """A reward over those variables on which it depends, or ``None`` after its faults were noted."""
-    entries = _entries(layers, [], where, faults)
+    entries = _entries(layers, [], where, faults, wide=_WITHOUT_DEFAULT)
     if entries is None:
         return None
     kept = [scope[axis] for axis in entries.axes]
@@ -106,7 +110,9 @@ class _Sums:
         return cls(totals, last, ~mixed & (np.bincount(rows, minlength=number) > 1))
 
 
-def _entries(layers: Layers, keep: Sequence[int], where: str, faults: FaultList) -> Entries | None:
+def _entries(
+    layers: Layers, keep: Sequence[int], where: str, faults: FaultList, wide: str = "a smaller table"
+) -> Entries | None:
     if faults.full:
         return None
     try:
@@ -115,7 +121,7 @@ def _entries(layers: Layers, keep: Sequence[int], where: str, faults: FaultList)
                 return layers.entries([*keep, *layers.doubts.axes])
         found = layers.entries(keep)
     except TooLarge as problem:
-        faults.note(None, where, str(problem), "a smaller table")
+        faults.note(None, where, str(problem), wide if layers.has_wide_numbers() else "a smaller table")
         return None
     return None if layers.doubts else found
 

@@ -32,7 +32,10 @@ class Functions:
 
 
 def functions(root: Element, variables: Declared, lines: Lines, faults: FaultList) -> Functions:
-    """Read every function; what is wrong is noted, and that function left out."""
+    """Read every function; what is wrong is noted, and that function left out.
+
+    Where there is no function of a variable, that is noted too, unless one that could not be read may be about it.
+    """
     found = Functions()
     everything = variables.before | variables.after | variables.actions | variables.observations
     sections = (
@@ -41,22 +44,47 @@ def functions(root: Element, variables: Declared, lines: Lines, faults: FaultLis
         ("ObsFunction", variables.observations, everything, found.observation, "observation"),
     )
     for tag, about, parents, into, kind in sections:
+        named: set[str] = set()
+        lost = root.foreign or not variables.complete or any(section.foreign for section in root.all(tag))
         for element in _all(root, tag):
-            read = _Function(element, parents, lines, faults)
+            read = _Function(element, parents, variables, lines, faults)
             children = read.variables("Var", about)
+            lost = lost or not children
             if children and read.has_parts(faults):
-                named_twice = [child.now.name for child in children if child.now.name in into]
-                if named_twice:
-                    faults.note(read.stamp, "<Var>", f"a second {kind} of {named_twice[0]}", "one")
+                twice = [child.now.name for child in children if child.now.name in named]
+                if twice:
+                    faults.note(read.stamp, "<Var>", f"a second {kind} of {twice[0]}", "one")
                 for name, factor in read.distributions(children, kind).items():
                     into.setdefault(name, factor)
+            named.update(child.now.name for child in children or ())
+        for variable in about.values():
+            if variable.now.name not in named and not lost:
+                faults.note(None, f"{kind} of {variable.name}", "no distribution", "one for every variable")
+    _rewards(root, variables, everything, found, lines, faults)
+    return found
+
+
+def _rewards(
+    root: Element,
+    variables: Declared,
+    parents: dict[str, Variable],
+    found: Functions,
+    lines: Lines,
+    faults: FaultList,
+) -> None:
+    named: set[str] = set()
+    lost = root.foreign or not variables.complete or any(section.foreign for section in root.all("RewardFunction"))
     for element in _all(root, "RewardFunction"):
-        read = _Function(element, everything, lines, faults)
-        name = read.reward(variables.rewards, found.reward)
+        read = _Function(element, parents, variables, lines, faults)
+        name = read.reward(named)
         earned = read.value(name) if name and read.has_parts(faults) else None
         if earned is not None:
             found.reward[name] = earned
-    return found
+        lost = lost or not name
+        named.add(name)
+    if not lost:
+        for name in sorted(variables.rewards - named):
+            faults.note(None, f"reward {name}", "no function", "a <Func> of it")
 
 
 def _all(root: Element, tag: str) -> Iterable[Element]:
@@ -66,14 +94,22 @@ def _all(root: Element, tag: str) -> Iterable[Element]:
 class _Function:
     """One ``CondProb`` or ``Func``."""
 
-    def __init__(self, element: Element, parents: dict[str, Variable], lines: Lines, faults: FaultList) -> None:
+    def __init__(
+        self,
+        element: Element,
+        parents: dict[str, Variable],
+        declared: Declared,
+        lines: Lines,
+        faults: FaultList,
+    ) -> None:
         self.element, self.known, self.lines, self.faults = element, parents, lines, faults
+        self.declared = declared
         self.stamp = lines.stamp(element.line)
 
     def has_parts(self, faults: FaultList) -> bool:
         """Note missing parts."""
         missing = [tag for tag in ("Var", "Parent", "Parameter") if len(self.element.all(tag)) != 1]
-        for tag in missing:
+        for tag in () if self.element.foreign else missing:
             faults.note(self.stamp, f"<{self.element.tag}>", f"{len(self.element.all(tag))} <{tag}>", "one")
         return not missing
 
@@ -84,7 +120,7 @@ class _Function:
             return []
         if tag == "Parent" and whole(part.text) in ("", "null"):
             return []
-        return named(part, known, self.lines, self.faults)
+        return named(part, known, self.declared, self.lines, self.faults)
 
     def distributions(self, children: list[Variable], kind: str) -> dict[str, Factor]:
         """A distribution for each of the function's variables, by the state's or observation's own name."""
@@ -104,13 +140,15 @@ class _Function:
         found = chained(layers, parents, children, where, self.stamp, self.faults, tied=kind != "observation")
         return {child.now.name: factor for child, factor in found.items()}
 
-    def reward(self, rewards: set[str], before: Iterable[str]) -> str:
+    def reward(self, before: Iterable[str]) -> str:
         """The reward's name, empty after a fault."""
         part = self.element.first("Var")
         name = whole(part.text) if part is not None else ""
+        rewards = self.declared.rewards
         if name not in rewards:
-            expected = f"the name of a <RewardVar>{near(name, rewards)}"
-            self.faults.note(self.stamp, "<Var>", shortened(name), expected)
+            if self.declared.complete and not (part is None and self.element.foreign):
+                expected = f"the name of a <RewardVar>{near(name, rewards)}"
+                self.faults.note(self.stamp, "<Var>", shortened(name), expected)
             return ""
         if name in before:
             self.faults.note(self.stamp, "<Var>", f"a second function of {name}", "one")
@@ -127,8 +165,7 @@ class _Function:
         return None if layers is None else as_reward(layers, parents, where, self.faults)
 
     def _layers(self, scope: list[Variable], children: list[Variable], where: str) -> Layers | None:
-        """What is said of each place; ``None`` after a fault was noted."""
-        before = len(self.faults)
+        """What is said of each place; ``None`` where nothing can be said of any."""
         (parameter,) = self.element.all("Parameter")
         kind = whole(parameter.attributes.get("type", "TBL"))
         try:
@@ -143,7 +180,10 @@ class _Function:
             read_diagram(parameter, layers, names, scope, children, self.lines, self.faults)
         else:
             self.faults.note(self.lines.stamp(parameter.line), where, f"type={shortened(kind)}", "'TBL' or 'DD'")
-        return layers if len(self.faults) == before else None
+            return None
+        if parameter.foreign:
+            layers.doubts.add_everything(self.lines.stamp(parameter.line))
+        return layers
 
     def _name(self, variable: Variable) -> str:
         return next(name for name, known in self.known.items() if known == variable)

@@ -48,18 +48,16 @@ def read_pomdpx(path: Path) -> FactoredPOMDP:
     root = parsed(path, read_bytes(path), lines, faults)
     discount = _discount(root, lines, faults)
     variables = declared(root, lines, faults)
-    faults.raise_if_any(path, lines.lines_of)
     found = functions(root, variables, lines, faults)
-    for name in sorted(variables.rewards - found.reward.keys()):
-        if not len(faults):
-            faults.note(None, f"reward {name}", "no function", "a <Func> of it")
     faults.raise_if_any(path, lines.lines_of)
     return _model(path, discount, variables, found)
 
 
 def _discount(root: Element, lines: Lines, faults: FaultList) -> float:
     element = root.first("Discount")
-    numbers = all_numbers(element.text.split()) if element is not None else None
+    if element is None and root.foreign:
+        return 1.0
+    numbers = all_numbers(element.text.split(maxsplit=2)) if element is not None else None
     if element is None or numbers is None or len(numbers) != 1 or not 0 <= numbers[0] <= 1:
         found = "nothing" if element is None else shortened(element.text.strip())
         line = root.line if element is None else element.line

@@ -20,6 +20,9 @@ from factored_pomdp.variables import Variable
 
 __all__ = ["read_table"]
 
+_MOST_WORDS = 10_000
+"""Words that are told apart where fewer would be right."""
+
 
 def read_table(
     parameter: Element,
@@ -38,23 +41,31 @@ def read_table(
         stamp = lines.stamp(entry.line)
         if entry.tag != "Entry":
             faults.note(stamp, "<Parameter type='TBL'>", f"<{entry.tag}>", "<Entry>")
+            layers.doubts.add_everything(stamp)
             continue
         instance, table = entry.first("Instance"), entry.first("ProbTable") or entry.first("ValueTable")
         if instance is None or table is None:
-            faults.note(
-                stamp, "<Entry>", "no <Instance> or no table", "an <Instance>, and a <ProbTable> or <ValueTable>"
-            )
+            layers.doubts.add_everything(stamp, certain=False)
+            if not entry.foreign:
+                expected = "an <Instance>, and a <ProbTable> or <ValueTable>"
+                faults.note(stamp, "<Entry>", "no <Instance> or no table", expected)
             continue
-        words = instance.text.split()
+        words = instance.text.split(maxsplit=_MOST_WORDS)
         coordinates = _coordinates(words, positions, scope, stamp, faults)
         if coordinates is None:
+            doubted = [known.get(word, -1) for word, known in zip(words, positions, strict=False)]
+            same = len(words) == len(scope)
+            layers.doubts.add(doubted if same else [-1] * len(scope), stamp, certain=False)
             continue
         number = _one_number(table.text) if "-" not in words else None
         if number is not None:
             many.append((coordinates, number, stamp))
         else:
             along = [axis for axis, word in enumerate(words) if word == "-"] if scope else []
+            before = len(faults)
             _lay(layers, coordinates, along, table, scope, children, stamp, faults)
+            if len(faults) > before:
+                layers.doubts.add(coordinates, stamp)
     if many:
         places, numbers, stamps = zip(*many, strict=True)
         layers.scalars(np.array(places, dtype=np.int64).reshape(len(many), -1), np.array(numbers), np.array(stamps))
@@ -113,16 +124,18 @@ def _lay(
         else:
             faults.note(stamp, where, "identity", "identity only where two - of the same size stand in the instance")
         return
-    words = text.split()
-    numbers = all_numbers(words)
     expected = math.prod(scope[axis].size for axis in along)
+    words = text.split(maxsplit=max(expected, _MOST_WORDS))
+    surplus = len(words) > max(expected, _MOST_WORDS)
+    numbers = np.zeros(0) if surplus else all_numbers(words)
     if numbers is None:
         wrong = next(word for word in words if all_numbers([word]) is None)
         faults.note(stamp, where, shortened(wrong), "finite numbers")
     elif len(numbers) != expected:
         shape = " × ".join(str(scope[axis].size) for axis in along)
         needed = f"{expected:,} ({shape} for the - of the instance)" if along else "1, as the instance holds no -"
-        faults.note(stamp, where, f"{len(numbers):,} numbers", needed)
+        found = f"more than {len(words) - 1:,} numbers" if surplus else f"{len(numbers):,} numbers"
+        faults.note(stamp, where, found, needed)
     elif along:
         layers.array(coordinates, along, np.asarray(numbers), stamp)
     else:

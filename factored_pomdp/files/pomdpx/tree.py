@@ -52,13 +52,17 @@ _CHUNK = 1 << 20
 
 @dataclass(slots=True)
 class Element:
-    """One element: its tag, attributes, line, children, and its text if the format knows none within it."""
+    """One element: its tag, attributes, line, children, and its text if the format knows none within it.
+
+    ``foreign`` says that elements stood in it which the format does not know, and which are left out.
+    """
 
     tag: str
     attributes: dict[str, str]
     line: int
     text: str = ""
     children: list[Element] = field(default_factory=list)
+    foreign: bool = False
 
     def all(self, tag: str) -> list[Element]:
         """Children of that tag."""
@@ -169,6 +173,7 @@ class _Builder:
         if element.tag in allowed:
             parent.children.append(element)
             return element
+        parent.foreign = True
         if not self._faults.full:
             others = near(element.tag, allowed) if allowed else " (no element at all)"
             stamp = self._lines.stamp(element.line)

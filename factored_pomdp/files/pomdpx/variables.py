@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from factored_pomdp.files.faults import FaultList, shortened
 from factored_pomdp.files.pomdpx.tree import Element, Lines
-from factored_pomdp.files.values import MOST_VALUES, near
+from factored_pomdp.files.values import LONGEST_NAME, MOST_VALUES, near
 from factored_pomdp.variables import Variable
 
 __all__ = ["LETTERS", "Declared", "declared", "named", "whole"]
@@ -26,6 +26,10 @@ class Declared:
     rewards : set of str
     observed : set of str
         Names (the model's) of fully observed state variables.
+    broken : set of str
+        Names (the file's) of variables whose values could not be read.
+    complete : bool
+        Whether the name of every variable could be read.
     """
 
     before: dict[str, Variable] = field(default_factory=dict)
@@ -34,13 +38,17 @@ class Declared:
     observations: dict[str, Variable] = field(default_factory=dict)
     rewards: set[str] = field(default_factory=set)
     observed: set[str] = field(default_factory=set)
+    broken: set[str] = field(default_factory=set)
+    complete: bool = True
 
 
 def declared(root: Element, lines: Lines, faults: FaultList) -> Declared:
     """Read the ``Variable`` section; all that is wrong with it is noted."""
     found = Declared()
     sections = root.all("Variable")
-    if not sections:
+    found.complete = not root.foreign and not any(section.foreign for section in sections)
+    if not sections and not root.foreign:
+        found.complete = False
         faults.note(lines.stamp(root.line), "<pomdpx>", "no <Variable>", "the variables")
     elements = [element for section in sections for element in section.children]
     taken: set[str] = set()
@@ -52,12 +60,15 @@ def declared(root: Element, lines: Lines, faults: FaultList) -> Declared:
             for key in (("vnamePrev", "vnameCurr") if element.tag == "StateVar" else ("vname",))
         ]
         if not all(names):
+            found.complete = False
+            found.broken.update(filter(None, names))
             continue
         if element.tag == "RewardVar":
             found.rewards.add(names[0])
             continue
         values = _values(element, lines, faults)
         if not values:
+            found.broken.update(names)
             continue
         if element.tag == "StateVar":
             state = Variable(stems.get(names[0], names[0]), values)
@@ -75,13 +86,17 @@ def whole(text: str) -> str:
     return " ".join(text.split())
 
 
-def named(element: Element, known: dict[str, Variable], lines: Lines, faults: FaultList) -> list[Variable] | None:
-    """The variables whose names an element lists; ``None`` after a fault was noted."""
+def named(
+    element: Element, known: dict[str, Variable], declared: Declared, lines: Lines, faults: FaultList
+) -> list[Variable] | None:
+    """The variables whose names an element lists; ``None`` after a fault was noted, of this list or of a variable."""
     text = whole(element.text)
     if text in known:
         return [known[text]]
     found = []
     for word in text.split():
+        if word in declared.broken or (word not in known and not declared.complete):
+            return None
         if word not in known:
             expected = f"a variable that may stand here{near(word, known)}"
             faults.note(lines.stamp(element.line), f"<{element.tag}>", shortened(word), expected)
@@ -120,12 +135,19 @@ def _values(element: Element, lines: Lines, faults: FaultList) -> list[str]:
     listed, number = element.first("ValueEnum"), element.first("NumValues")
     where = f"<{element.tag}> {shortened(element.attributes.get('vnamePrev', element.attributes.get('vname', '')))}"
     if listed is not None:
-        values = listed.text.split()
+        values = listed.text.split(maxsplit=MOST_VALUES + 1)
+        long = next((value for value in values if len(value) > LONGEST_NAME), "")
+        if long:
+            found = f"{shortened(long)}, a name of {len(long):,} characters"
+            faults.note(lines.stamp(listed.line), where, found, f"at most {LONGEST_NAME:,}")
+            return []
         if values and len(values) <= MOST_VALUES and len(set(values)) == len(values):
             return values
         twice = next((value for value in values if values.count(value) > 1), "") if len(values) < 10_000 else ""
         found = f"{shortened(twice)} more than once" if twice else f"{len(values):,} names"
         faults.note(lines.stamp(listed.line), where, found, f"1 to {MOST_VALUES:,} names, no two equal")
+        return []
+    if number is None and element.foreign:
         return []
     text = number.text.strip() if number is not None else ""
     if text.isascii() and text.isdigit() and len(text) < 15 and 1 <= int(text) <= MOST_VALUES:

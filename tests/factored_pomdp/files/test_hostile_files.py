@@ -79,6 +79,12 @@ def refused(path: Path, content: str | bytes) -> str:
             HEAD.format(states=3, actions=1, observations=2) + "T: 0 : 0\n" + "1 " * 50_000,
             "more numbers than expected",
         ),
+        (
+            HEAD.format(states=5_000, actions=2, observations=2)
+            + "T: * identity\nO: * uniform\nR: * : * : * : * -1\nR: 0 : 3 : 4 : * 5\n",
+            "reward: found 50,000,001 entries or more that are not zero; 20,000,000 are allowed; expected no number "
+            "but 0 for so many places that has exceptions: a default makes every place an entry",
+        ),
         ("states: " + "a" * 2_000_000, "a name of 2,000,000 characters; expected at most 1,000"),
         (FLAT + "T: " + "a" * 2_000_000 + " identity", "expected an action (there are 2) or *"),
         (

@@ -181,6 +181,53 @@ def test_all_faults_at_once_in_order(tmp_path: Path) -> None:
 
 
 @pytest.mark.example
+def test_a_fault_in_the_head_hides_nothing(tmp_path: Path) -> None:
+    text = GOOD.replace("0.95", "2").replace("0.5 0.5</ProbTable></Entry></Par", "0.5 0.6</ProbTable></Entry></Par")
+    text = text.replace("0.5 0.5</ProbTable></Entry>\n", "abc</ProbTable></Entry>\n").replace(
+        'idref="other"', 'idref="o"'
+    )
+    text = text.replace(
+        '<SubDAG type="deterministic" var="sound" val="l"/>',
+        '<Node var="sound"><Edge val="l"><Terminal>0.5</Terminal></Edge>'
+        '<Edge val="r"><Terminal>0.7</Terminal></Edge></Node>',
+    )
+    text = text.replace("<ValueTable>-1<", "<ValueTable>-1 2<")
+    assert [fault.split("; ")[0] for fault in faults(tmp_path, text)] == [
+        "line 2: <Discount>: found '2'",
+        "line 12: initial belief of door: found probabilities that sum to 1.1",
+        "line 19: <ProbTable>: found 'abc'",
+        "line 26: observation of sound at door.next=left: found probabilities that sum to 1.2",
+        "line 27: <SubDAG>: found idref='o'",
+        "line 34: <ValueTable>: found 2 numbers",
+    ]
+
+
+@pytest.mark.example
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("vnameCurr", "vnameNext"),
+        ("left right", "left left"),
+        ("<ValueEnum>l r</ValueEnum>", "<NumValues>many</NumValues>"),
+        ("<ValueEnum>l r</ValueEnum>", "<ValueEmun>l r</ValueEmun>"),
+        ("RewardVar", "RewardVra"),
+        ("<Discount>0.95</Discount>", "<Discuont>0.95</Discuont>"),
+        ("<Var>door_1", "<Var>dor_1"),
+        ("<Parent>act door_0</Parent>", "<Parnet>act door_0</Parnet>"),
+        ("open * -", "opne * -"),
+        ("<Instance>open * -</Instance>", "<Instnace>open * -</Instnace>"),
+        ('<Edge val="left">', '<Edge val="lift">'),
+        ('<Node var="door_1">', '<Node var="door_0">'),
+        ('idref="other"', 'idref="othre"'),
+        ("<Var>cost</Var>", "<Var>costs</Var>"),
+    ],
+)
+def test_a_fault_has_no_faults_as_its_consequence(tmp_path: Path, old: str, new: str) -> None:
+    text = GOOD.replace(old, new).replace("</RewardVra>", "")
+    assert len(faults(tmp_path, text)) == 1
+
+
+@pytest.mark.example
 def test_a_missing_function_is_named(tmp_path: Path) -> None:
     begin, end = GOOD.index("<ObsFunction>"), GOOD.index("</ObsFunction>") + len("</ObsFunction>")
     found = faults(tmp_path, GOOD[:begin] + GOOD[end:])

@@ -19,7 +19,7 @@ DRAWS = 400
 
 
 @pytest.mark.property
-@settings(max_examples=12)
+@settings(max_examples=8)
 @given(random_models(most_states=3), st.integers(0, 2**32 - 1))
 def test_frequencies_are_the_models_probabilities(model: fp.FactoredPOMDP, seed: int) -> None:
     rng = np.random.default_rng(seed)

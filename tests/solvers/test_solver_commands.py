@@ -95,7 +95,7 @@ def test_what_is_wrong_is_said(
 def test_runs_are_as_long_as_the_policy_plans(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     policy = str(tmp_path / "three.npz")
     _, solved, _ = _run(capsys, "solve", "tiger", "--solver", "exact", "--horizon", "3", "--out", policy)
-    code, simulated, said = _run(capsys, "simulate", "tiger", "--policy", policy, "--runs", "2000")
+    code, simulated, said = _run(capsys, "simulate", "tiger", "--policy", policy, "--runs", "300")
     assert (code, simulated["steps"], said) == (0, 3, "")
     low, high = simulated["ci95"]
     assert low - 1 < solved["lower"] < high + 1

@@ -73,6 +73,7 @@ def test_ties_keep_the_present_preset() -> None:
 
 
 @pytest.mark.end_to_end
+@pytest.mark.slow
 def test_slow_cameras_see_more_of_one_target_than_with_p() -> None:
     """One target, cameras that reach only the next preset: more sightings over eight runs."""
     built = surveillance_model(altered("tiny", cameras={"*": {"pan_deg_per_s": 30.0}}, sigma_direction_deg=10.0), 1)

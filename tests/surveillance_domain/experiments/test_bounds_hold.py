@@ -23,6 +23,7 @@ def test_clairvoyant_is_above_every_controller_run_by_run(site: str, targets: in
 
 
 @pytest.mark.end_to_end
+@pytest.mark.slow
 def test_full_information_is_above_pomdp_in_expectation() -> None:
     cases = {name: Case(Setup("hall", 5), name, "grid", 20, 2) for name in ("pomdp", "full-information")}
     done = run_jobs([job for case in cases.values() for job in blocks(case, range(6))]).runs

@@ -1,7 +1,6 @@
 """Simulating what pages of results ask for: what was finished is kept, and not done again after an interruption.
 
-Where targets go does not depend on who watches them, and takes longer than watching: it is worked out once for all
-controllers of a world. Besides runs of a controller there are two other kinds, told by what follows the controller's
+Besides runs of a controller there are two other kinds, told by what follows the controller's
 name: ``pomdp:knows``, which share of the targets it can place, and ``pomdp:unaware``, a controller that believes in the
 site as it is while its targets move as at a variant of it.
 """
@@ -12,34 +11,25 @@ import os
 import signal
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
-
-from jaxtyping import Float, Int
-from numpy import ndarray
 
 from surveillance_domain.commands.progress import progress_bar
 from surveillance_domain.control.factory import Setting
 from surveillance_domain.control.loop import run_loop
-from surveillance_domain.experiments.jobs import Finished, Job, blocks
+from surveillance_domain.experiments.jobs import Finished, Job, blocks, side_by_side
 from surveillance_domain.experiments.kept_runs import KeptRuns
 from surveillance_domain.experiments.knowledge import knowledge
-from surveillance_domain.experiments.runs import Run, TruthKind, run_of, simulated_world
-from surveillance_domain.experiments.setup import Case, Setup, site_of, surveillance_of
+from surveillance_domain.experiments.runs import Run, run_of, simulated_world
+from surveillance_domain.experiments.setup import Case, surveillance_of
 from surveillance_domain.experiments.variants import make_variant
-from surveillance_domain.model.build import motion_parameters
-from surveillance_domain.world.grid_chain import GridChain
-from surveillance_domain.world.truth import Truth
-from surveillance_domain.world.truth_grid import GridTruth
+from surveillance_domain.experiments.ways import way_of
 
 KNOWS, UNAWARE = ":knows", ":unaware"
 Wanted = tuple[Case, int]
 """A case and how many runs of it."""
 Simulated = Mapping[Case, Mapping[int, Run]]
-_WORLDS = 64
-"""How many are remembered: more than the runs of a case, so that the next controller meets the same."""
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -51,7 +41,7 @@ def simulated(wanted: Sequence[Wanted], workers: int, kept: KeptRuns) -> Simulat
     SystemExit
         After Ctrl-C, when what was finished is kept.
     """
-    jobs = [job for case, runs in wanted for job in blocks(case, kept.missing(case, range(runs)))]
+    jobs = side_by_side(job for case, runs in wanted for job in blocks(case, kept.missing(case, range(runs))))
     with progress_bar("simulating", sum(_work(job.case) * len(job.runs) for job in jobs), True) as advance:
         try:
             for batch in _finished(jobs, workers):
@@ -100,60 +90,10 @@ def _run(case: Case, number: int) -> Run:
     watched = surveillance_of(setup)
     if name != "msp":  # nobody else reads what static cameras report
         watched = replace(watched, site=replace(watched.site, static_cameras=()))
-    world = simulated_world(watched, case.truth, case.seed, number)
-    world.truth = _way(setup.site, setup.targets, case.truth, case.seed, number)
+    world = simulated_world(watched, case.truth, case.seed, number, way_of(case, number))
     believed = replace(setup, site=base_of(setup.site)) if f":{kind}" == UNAWARE else setup
     controller = make_variant(name, surveillance_of(believed), Setting(world, case.steps, number))
     return replace(run_of(run_loop(world, controller, case.steps), controller), decision_ms=())
-
-
-@lru_cache(maxsize=_WORLDS)
-def _way(site: str, targets: int, truth: TruthKind, seed: int, number: int) -> Remembered:
-    """Where the targets of a world go."""
-    start = simulated_world(surveillance_of(Setup(site, targets)), truth, seed, number).truth
-    return Remembered(replace(start, chain=_chain(site)) if isinstance(start, GridTruth) else start)
-
-
-@lru_cache(maxsize=4)
-def _chain(site: str) -> GridChain:
-    """The moves that targets can make at a site, worked out as they are met, once for all worlds."""
-    found = site_of(Setup(site, 1))
-    return GridChain(found.grid, motion_parameters(found))
-
-
-@dataclass(frozen=True, eq=False)
-class Remembered:
-    """A truth of which every step is worked out once."""
-
-    truth: Truth
-
-    @cached_property
-    def positions_m(self) -> Float[ndarray, "targets 2"]:
-        """Where each target is."""
-        return self.truth.positions_m
-
-    @cached_property
-    def cells(self) -> Int[ndarray, "targets"]:
-        """Number of the cell each target is in."""
-        return self.truth.cells
-
-    @cached_property
-    def directions(self) -> Int[ndarray, "targets"]:
-        """Direction bin of each target."""
-        return self.truth.directions
-
-    @cached_property
-    def speeds(self) -> Int[ndarray, "targets"]:
-        """Index of each target's speed."""
-        return self.truth.speeds
-
-    def step(self) -> Remembered:
-        """One time step later."""
-        return self._next
-
-    @cached_property
-    def _next(self) -> Remembered:
-        return Remembered(self.truth.step())
 
 
 def _work(case: Case) -> int:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from typing import Any
 
-from surveillance_domain.experiments.jobs import Finished, Job, Outcome, do_job
+from surveillance_domain.experiments.jobs import Finished, Job, Outcome, do_job, side_by_side
 
 __all__ = ["ClusterError", "run_on_cluster"]
 
@@ -49,7 +49,7 @@ def run_on_cluster(
     found: dict[Any, Any] = {job.case: {} for job in jobs}
     with client, client.as_current():
         _refuse_other_versions(client, address)
-        futures = client.map(do_job, jobs, pure=False, retries=2)
+        futures = client.map(do_job, side_by_side(jobs), pure=False, retries=2)
         try:
             for future in as_completed(futures):
                 try:

@@ -20,8 +20,9 @@ from typing import Protocol
 from surveillance_domain.control.loop import Step
 from surveillance_domain.experiments.runs import Run, simulate_run
 from surveillance_domain.experiments.setup import Case, surveillance_of
+from surveillance_domain.experiments.ways import way_of
 
-__all__ = ["Finished", "Job", "Outcome", "blocks", "do_job", "run_jobs"]
+__all__ = ["Finished", "Job", "Outcome", "blocks", "do_job", "run_jobs", "side_by_side"]
 
 _ONE_THREAD = {
     name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -70,6 +71,17 @@ def blocks(case: Case, runs: Iterable[int], size: int = 5) -> list[Job]:
     return [Job(case, tuple(numbers[start : start + size])) for start in range(0, len(numbers), size)]
 
 
+def side_by_side(jobs: Iterable[Job]) -> list[Job]:
+    """Jobs in an order in which those of the same worlds are neighbours, so that these are worked out once."""
+    setups: dict[tuple[object, ...], int] = {}
+
+    def place(job: Job) -> tuple[int, tuple[int, ...]]:
+        case = job.case
+        return setups.setdefault((case.setup, case.truth, case.steps, case.seed), len(setups)), job.runs
+
+    return sorted(jobs, key=place)
+
+
 def run_jobs(
     jobs: Sequence[Job], workers: int = 1, tell: Callable[[Sequence[Finished]], None] | None = None
 ) -> Outcome:
@@ -86,6 +98,7 @@ def run_jobs(
         If a worker is killed from outside, for want of memory say.
     """
     found: dict[Case, dict[int, Run]] = {job.case: {} for job in jobs}
+    jobs = side_by_side(jobs)
 
     def keep(batch: Sequence[Finished]) -> None:
         for one in batch:
@@ -138,7 +151,8 @@ def _in_workers(jobs: Sequence[Job], workers: int, keep: _Told, tell: _Told | No
 
 def _finished(case: Case, number: int, each: Callable[[Step], None] | None = None) -> Finished:
     surveillance = surveillance_of(case.setup)
-    run = simulate_run(surveillance, case.controller, case.steps, case.seed, number, case.truth, each)
+    start = way_of(case, number)
+    run = simulate_run(surveillance, case.controller, case.steps, case.seed, number, case.truth, each, start)
     return Finished(case, number, run)
 
 

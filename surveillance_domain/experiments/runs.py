@@ -15,6 +15,7 @@ from surveillance_domain.control.percent_obs import percent_obs
 from surveillance_domain.experiments.variants import make_variant
 from surveillance_domain.model.build import Surveillance, motion_parameters
 from surveillance_domain.world.simulated import SimulatedWorld
+from surveillance_domain.world.truth import Truth
 from surveillance_domain.world.truth_continuous import ContinuousTruth
 from surveillance_domain.world.truth_grid import GridTruth
 
@@ -43,9 +44,16 @@ class Run:
     restarts: int
 
 
-def simulated_world(surveillance: Surveillance, truth: TruthKind, seed: int, run: int) -> SimulatedWorld:
-    """The world of one run, the same for every controller; target k moves the same for every number of targets."""
+def simulated_world(
+    surveillance: Surveillance, truth: TruthKind, seed: int, run: int, start: Truth | None = None
+) -> SimulatedWorld:
+    """The world of one run, the same for every controller; target k moves the same for every number of targets.
+
+    ``start`` is the targets' first state, from whoever remembers it.
+    """
     for_truth, for_eyes = (np.random.default_rng(s) for s in np.random.SeedSequence(seed, spawn_key=(run,)).spawn(2))
+    if start is not None:
+        return SimulatedWorld(surveillance, start, for_eyes)
     kind = GridTruth if truth == "grid" else ContinuousTruth
     site = surveillance.site
     prior = None
@@ -56,7 +64,13 @@ def simulated_world(surveillance: Surveillance, truth: TruthKind, seed: int, run
 
 
 def prepared_run(
-    surveillance: Surveillance, controller: str, steps: int, seed: int, run: int, truth: TruthKind = "grid"
+    surveillance: Surveillance,
+    controller: str,
+    steps: int,
+    seed: int,
+    run: int,
+    truth: TruthKind = "grid",
+    start: Truth | None = None,
 ) -> tuple[SimulatedWorld, Controller]:
     """World and controller before the first step; run ``run`` of seed ``seed`` is the same world for every controller.
 
@@ -65,7 +79,7 @@ def prepared_run(
     ValueError
         For an unknown controller, or a site that lacks what it needs.
     """
-    world = simulated_world(surveillance, truth, seed, run)
+    world = simulated_world(surveillance, truth, seed, run, start)
     return world, make_variant(controller, surveillance, Setting(world, steps, run))
 
 
@@ -77,9 +91,10 @@ def simulate_run(
     run: int,
     truth: TruthKind = "grid",
     each: Callable[[Step], None] | None = None,
+    start: Truth | None = None,
 ) -> Run:
     """Let a controller run for some steps; ``each`` is told of every step when it is over."""
-    world, chosen = prepared_run(surveillance, controller, steps, seed, run, truth)
+    world, chosen = prepared_run(surveillance, controller, steps, seed, run, truth, start)
     return run_of(run_loop(world, chosen, steps, each), chosen)
 
 

@@ -28,6 +28,7 @@ def snapshot(number: int = 1, **changes: Any) -> Snapshot:
         targets=("a", "b"),
         belief=np.full((2, 4), 0.25, dtype=np.float32),
         seen_at={"a": (0, 0)},
+        beyond={},
         seen=1,
         present=2,
         truth_m={"a": (0.5, 0.5), "b": (1.5, 0.5)},

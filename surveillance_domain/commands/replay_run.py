@@ -109,8 +109,9 @@ def _seen(step: Mapping[str, Any]) -> int:
 
 def _line(step: Mapping[str, Any], shares: _Share) -> str:
     views = ", ".join(f"{camera} {view or '—'}" for camera, view in step["views"].items())
-    seen = {**step["observations"], **step["unknown"]}
-    places = ", ".join(f"{target} {cell[0]},{cell[1]}" for target, cell in seen.items() if cell is not None)
+    seen, beyond = {**step["observations"], **step["unknown"]}, step.get("beyond", {})
+    mark = {target: f" (beyond the view of {camera})" for target, camera in beyond.items()}
+    places = ", ".join(f"{t} {cell[0]},{cell[1]}{mark.get(t, '')}" for t, cell in seen.items() if cell is not None)
     percent = "" if shares.percent is None else f"  {shares.percent:.1f} %"
     return f"{step['step']:>6}  {step['time_s']:9.1f} s{percent}  {views}  |  {places or 'nobody seen'}"
 

@@ -111,6 +111,7 @@ def _why(record: Path, morning: Morning, surveillance: Surveillance | None, trou
                     :_ALTERNATIVES
                 ],
                 "observations": {**line["observations"], **line["unknown"]},
+                "beyond": line.get("beyond", {}),
                 "views": line["views"],
             }
         elif inside:

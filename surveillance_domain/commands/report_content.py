@@ -51,6 +51,7 @@ def content_of(record: Path, morning: Morning, why: Mapping[str, Any] | None, tr
         "hours": series.hours[-1],
         "percent_obs": _percent(series.seen, series.present) if "emulated" in _kinds(morning) else None,
         "seen": _mean(series.seen),
+        "seen_beyond": morning.beyond / morning.steps,
         "expected_observed": _mean(series.expected),
         "coverage": _mean(series.coverage),
         "unused_detections": morning.unused,
@@ -125,6 +126,7 @@ def _facts(content: Mapping[str, Any]) -> list[tuple[str, str]]:
     for key, name, form in (
         ("percent_obs", "PercentObs", "{:.1f} %"),
         ("seen", "targets seen a step", "{:.2f}"),
+        ("seen_beyond", "of them beyond the views of the model", "{:.2f}"),
         ("expected_observed", "expected", "{:.2f}"),
     ):
         if content[key] is not None:
@@ -151,13 +153,20 @@ def _why_tables(why: Mapping[str, Any]) -> list[Table]:
         ("expected number of targets seen", f"{value(why['value'])} ({why['method']})"),
         ("recomputed from the record", value(why["recomputed_value"])),
         ("cameras left out, being away", ", ".join(why["left_out"]) or "none"),
-        ("what was seen", ", ".join(f"{t} at {c[0]},{c[1]}" for t, c in why["observations"].items() if c) or "nobody"),
+        (
+            "what was seen",
+            ", ".join(_place(t, c, why["beyond"]) for t, c in why["observations"].items() if c) or "nobody",
+        ),
     ]
     if not why["exact"]:
         facts.append(("but", "the record does not begin with its run: the belief is near, not exact"))
     others = [(presets(one["presets"]), value(one["value"])) for one in why["alternatives"]]
     title = f"Step {why['step']}, {_clock(why['written'])}"
     return [(title, ("the choice", "found"), facts), ("The best alternatives", ("presets", "value"), others)]
+
+
+def _place(target: str, cell: Sequence[int], beyond: Mapping[str, str]) -> str:
+    return f"{target} at {cell[0]},{cell[1]}" + (f" (beyond the view of {beyond[target]})" if target in beyond else "")
 
 
 def _clock(moment: str) -> str:

@@ -242,10 +242,11 @@ def _shown(content: Mapping[str, Any]) -> list[RenderableType]:
         rows.add_row("PercentObs", f"{content['percent_obs']['mean']:.2f} %")
     if content["steps"]:
         rows.add_row("targets seen a step", f"{content['seen']:.3f}")
+        rows.add_row("of them beyond the views of the model", f"{content['seen_beyond']:.3f}")
         rows.add_row("expected", f"{content['expected_observed']:.3f}")
         rows.add_row("time of a decision, median", f"{content['decision_ms']['median']:.3f} ms")
         rows.add_row("detections without identity, not used", str(content["without_identity"]))
-        rows.add_row("detections out of view, not used", str(content["out_of_view"]))
+        rows.add_row("detections on no free cell, not used", str(content["out_of_view"]))
     if content["roster"]:
         rows.add_row("targets that came, that went", f"{content['roster']['started']}, {content['roster']['ended']}")
     cameras = table("camera", "state", "steps without a view", *(["parked"] if content["parked"] else []))

@@ -43,6 +43,11 @@ class Step:
         return known + len(self.sighting.unknown)
 
     @property
+    def beyond(self) -> int:
+        """How many of them beyond the views of the model only."""
+        return len(self.sighting.beyond)
+
+    @property
     def present(self) -> int:
         """How many targets there were, in truth or else as far as the sighting tells: M_tot."""
         if self.truly_present is not None:

@@ -95,6 +95,8 @@ class Morning:
         Steps with beliefs that were started anew, and whose.
     cameras : tuple of str
         All that there were.
+    unused, beyond : int
+        Detections that were not used; sightings beyond the views of the model.
     """
 
     def __init__(self, coverage: Callable[[Mapping[str, str | None]], float] | None = None) -> None:
@@ -105,7 +107,7 @@ class Morning:
         self.short: dict[str, int] = {}
         self.restarts: list[dict[str, Any]] = []
         self.series = Series()
-        self.steps, self.unused = 0, 0
+        self.steps, self.unused, self.beyond = 0, 0, 0
         self.cameras: tuple[str, ...] = ()
         self._open: dict[tuple[str, bool], Spell] = {}
         self._offset_s, self._last_s, self._step_s, self._run = 0.0, 0.0, 0.0, ""
@@ -136,6 +138,7 @@ class Morning:
         self._last_s = float(step["time_s"])
         self.cameras += tuple(name for name in step["views"] if name not in self.cameras)
         self.unused += step["without_identity"] + step["out_of_view"]
+        self.beyond += len(step.get("beyond", ()))  # older records have none
         if step.get("restarted"):
             self.restarts.append({key: step[key] for key in ("step", "written", "restarted")})
         for name, view in step["views"].items():

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from functools import partial
 from typing import Any, Protocol, runtime_checkable
 
 from factored_pomdp.beliefs import ProductBelief, initial_belief
+from factored_pomdp.variables import Value
 from surveillance_domain.control.base import Choice
+from surveillance_domain.control.beyond import BeyondViews
 from surveillance_domain.control.choosing import PresetChooser
 from surveillance_domain.control.restart import TargetRestart
 from surveillance_domain.control.roster import OpenRoster, target_of, targets_of
 from surveillance_domain.model.build import UNSEEN, Surveillance
-from surveillance_domain.world.base import Sighting
+from surveillance_domain.world.base import Cell, Sighting
 
 __all__ = ["Chooser", "PomdpController"]
 
@@ -58,7 +61,7 @@ class PomdpController:
         self.restarts, self.restarted = 0, tuple[str, ...]()
         self.roster, self.held = roster, frozenset[str]()
         self._chooser = chooser if chooser is not None else PresetChooser(surveillance)
-        self._restart = TargetRestart(surveillance)
+        self._restart, self._beyond = TargetRestart(surveillance), BeyondViews(surveillance)
 
     @property
     def targets(self) -> tuple[str, ...]:
@@ -72,14 +75,20 @@ class PomdpController:
         self.restarted, self.held = (), sighting.held
         seen = {**sighting.observations, **(sighting.unknown if self.roster is not None else {})}
         cells = {target: seen.get(target) for target in self.targets}
-        observed = {f"{target}.sighting": UNSEEN if cell is None else cell for target, cell in cells.items()}
-        known = {f"{name}.preset": view for name, view in sighting.views.items()}
+        beyond = {target: cell for target, cell in cells.items() if cell is not None and target in sighting.beyond}
+        observed = {f"{t}.sighting": UNSEEN if c is None else c for t, c in cells.items() if t not in beyond}
+        known: dict[str, Value] = {f"{name}.preset": view for name, view in sighting.views.items()}
         predicted = self.belief.predict(self._chooser.moves)
-        self.belief = predicted.condition(observed, known, restart=self._restarted)
+        weighed, impossible = self._beyond.weighed(predicted, beyond, sighting.beyond)
+        known |= {f"{target}.location": cell for target, cell in impossible.items()}
+        self.belief = weighed.condition(observed, known, restart=partial(self._restarted, cells))
         if self.roster is not None:
             self.belief = self.roster.updated(self.belief, seen, sighting.time_s)
 
-    def _restarted(self, block: tuple[str, ...], predicted: Any, observation: Any, known: Any) -> Any:
+    def _restarted(
+        self, cells: Mapping[str, Cell | None], block: tuple[str, ...], predicted: Any, observation: Any, known: Any
+    ) -> Any:
+        target = target_of(block)
         self.restarts += 1
-        self.restarted += (target_of(block),)
-        return self._restart(block, predicted, observation, known, self.belief.block(block[0]).array)
+        self.restarted += (target,)
+        return self._restart(cells[target], predicted, known, self.belief.block(block[0]).array)

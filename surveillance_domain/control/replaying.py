@@ -30,6 +30,7 @@ def sighting_of(entry: Mapping[str, Any]) -> Sighting:
         unknown={name: (int(cell[0]), int(cell[1])) for name, cell in entry["unknown"].items()},
         without_identity=int(entry["without_identity"]),
         out_of_view=int(entry["out_of_view"]),
+        beyond=dict(entry.get("beyond", {})),  # older records have none
     )
 
 

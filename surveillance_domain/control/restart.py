@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from surveillance_domain.model.build import UNSEEN, Surveillance, motion_parameters
+from surveillance_domain.model.build import Surveillance, motion_parameters
 from surveillance_domain.world.base import Cell
 
 __all__ = ["TargetRestart"]
@@ -26,7 +26,7 @@ _ROUNDING = 1e-9
 
 
 class TargetRestart:
-    """Gives a target a new belief: the ``restart`` of `ProductBelief.condition`, once ``previous`` is bound."""
+    """Gives a target a new belief."""
 
     def __init__(self, surveillance: Surveillance) -> None:
         self._surveillance = surveillance
@@ -37,16 +37,24 @@ class TargetRestart:
 
     def __call__(
         self,
-        block: tuple[str, ...],
+        seen: Cell | None,
         predicted: Float[np.ndarray, "places directions speeds"],
-        observation: Mapping[str, Any],
         known: Mapping[str, Any],
         previous: Float[np.ndarray, "places directions speeds"],
     ) -> Float[np.ndarray, "places directions speeds"]:
-        """The new belief of one target; ``previous`` is its belief before the step."""
+        """The new belief of one target.
+
+        Parameters
+        ----------
+        seen : (int, int) or None
+            The cell, column and row, at which it was; ``None``: it was not seen.
+        predicted, previous : (places, directions, speeds) float
+            Its belief before the sighting, and before the step.
+        known : mapping
+            Actual preset of each camera; ``None``: it had no view.
+        """
         grid, views, cameras = self._surveillance.site.grid, self._surveillance.views, self._surveillance.site.cameras
-        seen = observation[block[0].removesuffix(".location") + ".sighting"]
-        if seen != UNSEEN:
+        if seen is not None:
             return self.seen_at(seen)
         presets = [known[f"{camera.name}.preset"] for camera in cameras]
         names = [[preset.name for preset in camera.presets] for camera in cameras]

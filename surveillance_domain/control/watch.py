@@ -71,7 +71,7 @@ class Watch:
         self._lost: set[str] = set()
         self._seen_last: dict[str, float] = {}
         self.steps, self.unrecorded, self.failures = 0, 0, dict.fromkeys(world.reports, 0)
-        self._shares, self._counted, self._seen, self._expected = 0.0, 0, 0, 0.0
+        self._shares, self._counted, self._seen, self._beyond, self._expected = 0.0, 0, 0, 0, 0.0
         self._unused = {"without_identity": 0, "out_of_view": 0}
         self._decision_ms: deque[float] = deque(maxlen=_TIMES)
 
@@ -96,6 +96,7 @@ class Watch:
             "unknown": {name: list(cell) for name, cell in step.sighting.unknown.items()},
             "without_identity": step.sighting.without_identity,
             "out_of_view": step.sighting.out_of_view,
+            "beyond": dict(step.sighting.beyond),
             "views": dict(step.sighting.views),
             "held": sorted(step.sighting.held),
             "cameras": {name: _told(report) for name, report in self.world.reports.items()},
@@ -119,6 +120,7 @@ class Watch:
             "percent_obs": share if self._truth is not None and self._counted else None,
             "expected_observed": self._expected / self.steps if self.steps else None,
             "seen": self._seen / self.steps if self.steps else None,
+            "seen_beyond": self._beyond / self.steps if self.steps else None,
             "restarts": self.controller.restarts,
             "late": self.world.late,
             "unrecorded": self.unrecorded,
@@ -142,7 +144,7 @@ class Watch:
 
     def _sum_up(self, step: Step) -> None:
         self.steps += 1
-        self._seen += step.observed
+        self._seen, self._beyond = self._seen + step.observed, self._beyond + step.beyond
         self._expected += step.choice.value or 0.0
         self._unused["without_identity"] += step.sighting.without_identity
         self._unused["out_of_view"] += step.sighting.out_of_view

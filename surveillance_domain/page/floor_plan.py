@@ -67,7 +67,7 @@ class FloorPlan:
         self._edges = [ColumnDataSource(_segments(self._grid, None)) for _ in self._numbers]
         self._cameras = ColumnDataSource(self._marked(()), name="cameras")
         self._arrows = ColumnDataSource({"x0": [], "y0": [], "x1": [], "y1": []}, name="arrows")
-        self._sightings = ColumnDataSource({"x": [], "y": []}, name="sightings")
+        self._sightings = ColumnDataSource({"x": [], "y": [], "marker": []}, name="sightings")
         self._truth = ColumnDataSource({"x": [], "y": [], "fill": [], "line": [], "name": []}, name="truth")
         self._draw()
 
@@ -90,7 +90,8 @@ class FloorPlan:
         self._arrows.data = self._pointing(snapshot.cameras)
         seen = np.array(list(snapshot.seen_at.values()), dtype=float).reshape(-1, 2)
         centres = (seen + 0.5) * self._grid.cell_m + np.asarray(self._grid.origin_m)
-        self._sightings.data = {"x": centres[:, 0].tolist(), "y": centres[:, 1].tolist()}
+        markers = ["diamond" if target in snapshot.beyond else "square" for target in snapshot.seen_at]
+        self._sightings.data = {"x": centres[:, 0].tolist(), "y": centres[:, 1].tolist(), "marker": markers}
         self._truth.data = self._true(snapshot)
 
     def show_belief(self, snapshot: Snapshot, target: str | None) -> None:
@@ -136,7 +137,7 @@ class FloorPlan:
                 "x",
                 "y",
                 source=self._sightings,
-                marker="square",
+                marker="marker",
                 size=19,
                 fill_alpha=0,
                 line_color=colour,

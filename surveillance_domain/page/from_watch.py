@@ -61,6 +61,7 @@ def snapshot_of(
         targets=targets,
         belief=belief,
         seen_at={target: cell for target, cell in found.items() if cell is not None},
+        beyond=dict(step.sighting.beyond),
         seen=step.observed,
         present=step.present,
         truth_m=None if truth is None else _true(surveillance, truth()),

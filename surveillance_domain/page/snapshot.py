@@ -100,6 +100,8 @@ class Snapshot:
         ``None`` for controllers without a belief.
     seen_at : dict
         Where targets were seen; those that were not are left out.
+    beyond : dict
+        Of those, who was seen beyond the view that the model gives the camera, and by which camera.
     seen, present : int
         How many were, and how many there were as far as the sighting tells.
     truth_m : dict or None
@@ -119,6 +121,7 @@ class Snapshot:
     targets: tuple[str, ...]
     belief: Float32[np.ndarray, "targets cells"] | None
     seen_at: Mapping[str, Cell]
+    beyond: Mapping[str, str]
     seen: int
     present: int
     truth_m: Mapping[str, tuple[float, float]] | None

@@ -1,14 +1,15 @@
 """From the detections of all cameras to one observation a target, as the model expects it.
 
 The model (`surveillance_domain.model.build`) says: of the cameras that detect a target, the one with the least noise
-reports its cell. A report that the model holds impossible, because no cell in that camera's view can give it, is
-counted and not used: to the model a target there is out of view.
+reports its cell. A picture may show more than the view that the model gives the camera, which ends where a cell's
+middle leaves the picture, and at the depth of the site file. A report that no cell in that view can give is used where
+no other camera gives one of its own view, and told apart: *beyond* the view.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -57,13 +58,25 @@ class Observed:
     without_identity : int
         Detections that may be any target; they are not used.
     out_of_view : int
-        Detections of targets on no free cell, or where the camera's view does not reach; they are not used.
+        Detections on no free cell, where nobody can be; they are not used.
+    beyond : dict
+        Of those seen, known or not, who was seen beyond the view of the camera only, and by which camera.
     """
 
     observations: Mapping[str, Cell | None]
     unknown: Mapping[int | str, Cell]
     without_identity: int
     out_of_view: int
+    beyond: Mapping[int | str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class _Report:
+    """Where a camera saw somebody, and whether the model says that it can."""
+
+    cell: Cell
+    camera: str
+    in_view: bool
 
 
 def located(ground: Ground, grid: Grid, detections: Sequence[Detection]) -> tuple[Located, ...]:
@@ -123,8 +136,8 @@ class Observer:
         views : mapping of str to str or None
             For each camera the preset whose view it has; without one it is not listened to.
         """
-        observations: dict[str, Cell | None] = dict.fromkeys(self._targets)
-        unknown: dict[int | str, Cell] = {}
+        known: dict[int | str, _Report] = {}
+        strangers: dict[int | str, _Report] = {}
         without_identity = out_of_view = 0
         for name in sorted(found, key=lambda one: (self._views.noise_m[self._cameras[one]], self._cameras[one])):
             preset = views.get(name)
@@ -134,13 +147,19 @@ class Observer:
                 identity = one.detection.identity
                 if identity is None:
                     without_identity += 1
-                elif one.cell is None or not self._reportable(name, preset, one.cell):
+                elif one.cell is None:
                     out_of_view += 1
-                elif identity not in self._identities:
-                    unknown.setdefault(identity, one.cell)
-                elif observations.get(self._identities[identity]) is None:
-                    observations[self._identities[identity]] = one.cell
-        return Observed(observations, unknown, without_identity, out_of_view)
+                else:
+                    report = _Report(one.cell, name, self._reportable(name, preset, one.cell))
+                    reports = known if identity in self._identities else strangers
+                    _keep_better(reports, self._identities.get(identity, identity), report)
+        return Observed(
+            {target: known[target].cell if target in known else None for target in self._targets},
+            {identity: report.cell for identity, report in strangers.items()},
+            without_identity,
+            out_of_view,
+            {who: report.camera for who, report in {**strangers, **known}.items() if not report.in_view},
+        )
 
     def _reportable(self, camera: str, preset: str, cell: Cell) -> bool:
         """Whether a camera can report a cell, by the model: a cell in its view may give that report."""
@@ -152,6 +171,12 @@ class Observer:
             seen = (self._views.detection[number][key[1]] > 0).astype(float)
             self._reports[key] = confusion_kernel(self._grid, self._views.noise_m[number]).T @ seen > 0
         return bool(self._reports[key][self._grid.number[cell[1], cell[0]]])
+
+
+def _keep_better(reports: dict[int | str, _Report], who: int | str, report: _Report) -> None:
+    """The first report stands, but one of the camera's own view goes before one beyond it."""
+    if who not in reports or (report.in_view and not reports[who].in_view):
+        reports[who] = report
 
 
 def _surest_first(one: Located) -> tuple[float, float]:

@@ -32,8 +32,10 @@ class Sighting:
     unknown : dict
         What was seen that no target of the model carries, such as ``marker 12``, and the cell at which it was.
     without_identity, out_of_view : int
-        Detections that were counted and not used: those that may be any target, and those that the model says cannot
-        be, because no cell in that camera's view gives them.
+        Detections that were counted and not used: those that may be any target, and those on no free cell.
+    beyond : dict
+        Who of those seen, unknown ones included, was seen beyond the view that the model gives the camera, and by which
+        camera: pictures show more than the views of the model.
     """
 
     observations: Mapping[str, Cell | None]
@@ -44,6 +46,7 @@ class Sighting:
     unknown: Mapping[str, Cell] = field(default_factory=dict)
     without_identity: int = 0
     out_of_view: int = 0
+    beyond: Mapping[str, str] = field(default_factory=dict)
 
 
 @runtime_checkable

@@ -203,9 +203,10 @@ class NetworkWorld:
             views,
             looked - self._start,
             held=frozenset(self._taken()),
-            unknown={f"marker {one}" if isinstance(one, int) else one: cell for one, cell in found.unknown.items()},
+            unknown={_called(one): cell for one, cell in found.unknown.items()},
             without_identity=found.without_identity,
             out_of_view=found.out_of_view,
+            beyond={_called(one): camera for one, camera in found.beyond.items()},
         )
 
     def park(self) -> dict[str, Parked]:
@@ -255,6 +256,11 @@ class NetworkWorld:
         except CameraError as problem:
             result = problem
         return result, self._clock.now() - started
+
+
+def _called(identity: int | str) -> str:
+    """What a sighting calls somebody."""
+    return f"marker {identity}" if isinstance(identity, int) else identity
 
 
 def _attempt(start: Callable[[float], object], budget_s: float) -> CameraError | None:

@@ -117,6 +117,7 @@ def test_run_in_virtual_time_and_its_report(surveillance: Callable[..., Any], tm
     assert (told["steps"], told["outages"], told["held"]) == (12, [], [])
     assert told["percent_obs"] == pytest.approx(found["percent_obs"]["mean"])
     assert told["seen"] == pytest.approx(found["seen"])
+    assert told["seen_beyond"] == pytest.approx(found["seen_beyond"])
     assert 0.3 < told["coverage"] < 1
     why = told["why"]
     assert why["recomputed_value"] == pytest.approx(why["value"], abs=1e-9)
@@ -156,6 +157,36 @@ def test_a_recorded_run_is_shown_again(surveillance: Callable[..., Any], tmp_pat
     ):
         wrong = surveillance("replay-run", record, *words)
         assert (wrong.code, message in wrong.err) == (2, True)
+
+
+@pytest.mark.end_to_end
+def test_what_pictures_show_beyond_the_views_counts_and_is_told(
+    surveillance: Callable[..., Any], tmp_path: Path
+) -> None:
+    """A record of before such sightings were used has no ``beyond``; it can be read all the same."""
+    record = tmp_path / "record"
+    words = ("run", "lego", "--emulated", "--fast", "--targets", 5, "--steps", 8, "--record", record, "--json")
+    found = surveillance(*words).json
+    steps = [line for line in read_record(record) if line["kind"] == "step"]
+    beyond = [line for line in steps if line["beyond"]]
+    assert found["seen_beyond"] == pytest.approx(sum(len(line["beyond"]) for line in steps) / 8)
+    assert found["seen"] >= found["seen_beyond"] > 0
+    for line in beyond:
+        for target, camera in line["beyond"].items():
+            assert line["observations"][target] is not None
+            assert line["views"][camera] is not None
+    told = f" (beyond the view of {next(iter(beyond[0]['beyond'].values()))})"
+    assert told in surveillance("replay-run", record).out
+    number = beyond[0]["step"]
+    report = surveillance("report", record, "--step", number, "--json").json
+    assert (report["why"]["beyond"], report["seen_beyond"]) == (beyond[0]["beyond"], found["seen_beyond"])
+    assert told in surveillance("report", record, "--step", number, "--out", tmp_path / "morning").out
+    for path in record.glob("*.jsonl"):
+        lines = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+        older = [{key: value for key, value in line.items() if key != "beyond"} for line in lines]
+        path.write_text("".join(json.dumps(line) + "\n" for line in older), encoding="utf-8")
+    assert surveillance("report", record, "--json").json["seen_beyond"] == 0
+    assert surveillance("replay-run", record, "--json").json["steps"] == 8
 
 
 @pytest.mark.end_to_end

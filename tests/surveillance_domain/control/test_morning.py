@@ -31,6 +31,15 @@ def step(number: int, view: str | None, held: bool = False, **camera: object) ->
     }
 
 
+@pytest.mark.example
+def test_sightings_beyond_the_views_are_counted_and_older_records_have_none() -> None:
+    seen = {"observations": {"red": [1, 1], "blue": None}, "unknown": {"marker 9": [2, 2]}}
+    old = step(1, "left") | seen | {"out_of_view": 2}
+    new = step(2, "left") | seen | {"out_of_view": 1, "beyond": {"red": "north", "marker 9": "north"}}
+    morning = summed(old, new)
+    assert (morning.beyond, morning.unused, list(morning.series.seen)) == (2, 3, [2, 2])
+
+
 def summed(*steps: dict[str, Any]) -> Morning:
     morning = Morning()
     for line in (header(), *steps):

@@ -293,7 +293,8 @@ def test_hand_made_nonsense_never_breaks_a_belief(walls):
         presets = controller.choose().presets
         observations = {t: None if rng.random() < 0.5 else cells[rng.integers(20)] for t in built.targets}
         views = {camera: None if rng.random() < 0.2 else preset for camera, preset in presets.items()}
-        controller.see(Sighting(observations, views, float(step + 1)))
+        beyond = {t: "south-west" for t, cell in observations.items() if cell is not None and rng.random() < 0.5}
+        controller.see(Sighting(observations, views, float(step + 1), beyond=beyond))
         for array in controller.belief.arrays:
             assert np.isfinite(array).all()
             assert (array >= 0).all()

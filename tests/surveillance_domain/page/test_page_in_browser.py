@@ -127,6 +127,9 @@ def test_it_loads_and_every_step_changes_it(browser: Browser, shown: Shown, tmp_
     assert course[-1] == pytest.approx(summary["percent_obs"])
     truth = shown.running.emulation.truth.positions_m
     assert np.allclose(np.array(renderers(browser, "Scatter", "x")[-1], dtype=float), truth[:, 0])
+    seen = [name for name, cell in shown.last.sighting.observations.items() if cell is not None]
+    marks = ["diamond" if name in shown.last.sighting.beyond else "square" for name in seen]
+    assert renderers(browser, "Scatter", "marker")[1:3] == [marks, marks]
     assert browser.complaints() == []
     origins = browser.run("return performance.getEntriesByType('resource').map(one => new URL(one.name).origin)")
     assert set(origins) == {shown.page.url.rstrip("/")}

@@ -27,7 +27,9 @@ def at(cell: Cell | None, identity: int | str | None = 7, confidence: float = 1.
     return Located(detection(identity, confidence), (0.0, 0.0), cell)
 
 
-def observer(noise_m: tuple[float, float] = (0.0, 0.0), west: np.ndarray = EVERYWHERE) -> Observer:
+def observer(
+    noise_m: tuple[float, float] = (0.0, 0.0), west: np.ndarray = EVERYWHERE, east: np.ndarray = EVERYWHERE
+) -> Observer:
     """Two cameras, west and east; marker 7 is red, marker 8 is blue, and red is told by its colour too."""
     micro = load_site("micro")
     cameras = tuple(
@@ -35,7 +37,7 @@ def observer(noise_m: tuple[float, float] = (0.0, 0.0), west: np.ndarray = EVERY
         for one, name in zip(micro.cameras, ("west", "east"), strict=True)
     )
     site = replace(micro, grid=GRID, cameras=cameras)
-    views = Views((west, EVERYWHERE), noise_m)
+    views = Views((west, east), noise_m)
     return Observer(site, views, ("red", "blue"), {7: "red", 8: "blue", "red": "red", 9: "somebody"})
 
 
@@ -77,17 +79,55 @@ def test_cameras_without_a_view_are_not_listened_to() -> None:
     assert seen.out_of_view == 0
 
 
+LEFT = (GRID.cells[:, 0] == 0).astype(float)[None, :]
+"""West sees the leftmost column."""
+
+
 @pytest.mark.example
-def test_reports_that_the_model_holds_impossible_do_not_count() -> None:
-    left = (GRID.cells[:, 0] == 0).astype(float)[None, :]  # west sees the leftmost column
-    found = {"west": [at((1, 0), 7), at((3, 0), 8), at(None, "red")]}
-    sharp = observer((0.0, 0.0), left).observe(found, VIEWS)
-    assert sharp.observations == {"red": None, "blue": None}
-    assert sharp.out_of_view == 3
+def test_what_a_picture_shows_beyond_the_view_is_reported_and_told_apart() -> None:
+    found = {"west": [at((1, 0), 7), at((3, 0), 8), at((0, 0), 33), at((1, 1), 34)]}
+    sharp = observer((0.0, 0.0), LEFT).observe(found, VIEWS)
+    assert sharp.observations == {"red": (1, 0), "blue": (3, 0)}
+    assert sharp.unknown == {33: (0, 0), 34: (1, 1)}
+    assert sharp.beyond == {"red": "west", "blue": "west", 34: "west"}
+    assert sharp.out_of_view == 0
     # With noise of 0.25 m a report may be 0.75 m off: a cell further, but not three.
-    blurred = observer((0.25, 0.25), left).observe(found, VIEWS)
-    assert blurred.observations == {"red": (1, 0), "blue": None}
-    assert blurred.out_of_view == 2
+    blurred = observer((0.25, 0.25), LEFT).observe(found, VIEWS)
+    assert blurred.observations == sharp.observations
+    assert blurred.beyond == {"blue": "west"}
+
+
+@pytest.mark.example
+def test_a_report_in_view_goes_before_one_beyond_whoever_gives_it() -> None:
+    found = {"west": [at((1, 0), 7, 1.0), at((0, 0), "red", 0.5)], "east": [at((2, 0), 8)]}
+    seen = observer((0.0, 0.1), LEFT).observe(found, VIEWS)
+    assert seen.observations == {"red": (0, 0), "blue": (2, 0)}  # west's less sure one, but of its own view
+    assert seen.beyond == {}
+    other = {"west": [at((1, 0))], "east": [at((3, 0))]}
+    assert observer((0.0, 0.1), LEFT).observe(other, VIEWS).observations["red"] == (3, 0)  # though east has more noise
+    both = {"west": [at((1, 0), 33)], "east": [at((3, 0), 33)]}
+    seen = observer((0.0, 0.1), LEFT).observe(both, VIEWS)
+    assert (seen.unknown, seen.beyond) == ({33: (3, 0)}, {})
+
+
+@pytest.mark.example
+def test_beyond_their_views_the_camera_with_the_least_noise_reports() -> None:
+    blind = np.zeros((1, GRID.size))
+    found = {"west": [at((0, 0))], "east": [at((1, 0))]}
+    for noise_m, cell, camera in (
+        ((0.3, 0.1), (1, 0), "east"),
+        ((0.1, 0.3), (0, 0), "west"),
+        ((0.0, 0.0), (0, 0), "west"),
+    ):
+        seen = observer(noise_m, blind, blind).observe(found, VIEWS)
+        assert (seen.observations["red"], seen.beyond) == (cell, {"red": camera})
+
+
+@pytest.mark.example
+def test_what_lies_on_no_free_cell_is_counted_and_not_used() -> None:
+    seen = observer().observe({"west": [at(None, "red"), at(None, 33)]}, VIEWS)
+    assert seen.observations == {"red": None, "blue": None}
+    assert (seen.unknown, seen.beyond, seen.out_of_view) == ({}, {}, 2)
 
 
 @pytest.mark.example

@@ -235,12 +235,17 @@ def test_pictures_go_through_the_same_loop() -> None:
 
     made: Callable[[EmulatedSite, Eyes], Eyes] = eyes
     with emulated_watch(lego(), 2, 2, eyes=made, strangers=1) as running:
-        seen, strangers = 0, set()
+        seen, strangers, beyond = 0, set(), set()
         for step in islice(running.watch.turns(), 6):
             seen += step.observed
             strangers |= set(step.sighting.unknown)
+            beyond |= set(step.sighting.beyond)
+            met = {**step.sighting.observations, **step.sighting.unknown}
+            assert all(met[name] is not None for name in step.sighting.beyond)
         assert seen > 3
         assert strangers <= {"marker 2"}
+        assert beyond
+        assert beyond <= {"red", "blue", "marker 2"}
         running.emulation.cameras["south"].faults.garbled_picture = True
         step = next(iter(running.watch.turns()))
         assert step.sighting.views["south"] is None

@@ -165,19 +165,30 @@ def _followed(
     from surveillance_domain.control.loop import turns
 
     count = len(surveillance.targets)
-    seen = in_view = read = shown = missed = then_seen = lost = 0
+    seen = in_view = read = beyond = outside = right = shown = missed = then_seen = lost = 0
     missing = np.zeros(count, dtype=bool)
     for step in islice(turns(world, controller), STEPS):
-        covered = _covered(surveillance, step)[truth().cells]
-        found = np.array([step.sighting.observations[target] is not None for target in surveillance.targets])
-        seen, in_view, read = seen + found.sum(), in_view + covered.sum(), read + (found & covered).sum()
+        cells = truth().cells
+        covered, told = _covered(surveillance, step)[cells], _told(surveillance, step)
+        past = np.array([target in step.sighting.beyond for target in surveillance.targets])
+        found, own = told >= 0, (told >= 0) & ~past
+        seen, in_view, read = seen + found.sum(), in_view + covered.sum(), read + (own & covered).sum()
+        beyond, outside = beyond + past.sum(), outside + (past & ~covered).sum()
+        right += (past & (told == cells)).sum()
         shown += (found if legible is None else found | legible()).sum()
         again = missing & covered
-        missed, then_seen, missing = missed + again.sum(), then_seen + (again & found).sum(), covered & ~found
+        missed, then_seen, missing = missed + again.sum(), then_seen + (again & own).sum(), covered & ~own
         lost += sum(view is None for view in step.sighting.views.values())
     share = 100 / (STEPS * count)
-    shares = share * seen, share * in_view, share * read, share * shown
+    shares = [share * one for one in (seen, in_view, read, beyond, outside, right, shown)]
     return PictureRun(name, count, run, *shares, int(missed), int(then_seen), lost, controller.restarts, STEPS)
+
+
+def _told(surveillance: Surveillance, step: Step) -> np.ndarray:
+    """Number of the cell at which each target was seen; -1: it was not."""
+    number = surveillance.site.grid.number
+    cells = [step.sighting.observations[target] for target in surveillance.targets]
+    return np.array([-1 if cell is None else number[cell[1], cell[0]] for cell in cells])
 
 
 def _covered(surveillance: Surveillance, step: Step) -> np.ndarray:

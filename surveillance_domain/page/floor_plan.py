@@ -26,6 +26,8 @@ _MOST_NAMED = 8
 _MARGIN, _ARROW = 0.03, 0.07
 """Shares of the map's longer side."""
 _AWAY = "#8c8c8c"
+_IN_VIEW, _BEYOND = ("square", 19), ("diamond", 26)
+"""Marks of sightings, in pixels; Bokeh's diamonds are slim."""
 
 
 class FloorPlan:
@@ -67,7 +69,7 @@ class FloorPlan:
         self._edges = [ColumnDataSource(_segments(self._grid, None)) for _ in self._numbers]
         self._cameras = ColumnDataSource(self._marked(()), name="cameras")
         self._arrows = ColumnDataSource({"x0": [], "y0": [], "x1": [], "y1": []}, name="arrows")
-        self._sightings = ColumnDataSource({"x": [], "y": [], "marker": []}, name="sightings")
+        self._sightings = ColumnDataSource({"x": [], "y": [], "marker": [], "size": []}, name="sightings")
         self._truth = ColumnDataSource({"x": [], "y": [], "fill": [], "line": [], "name": []}, name="truth")
         self._draw()
 
@@ -90,8 +92,10 @@ class FloorPlan:
         self._arrows.data = self._pointing(snapshot.cameras)
         seen = np.array(list(snapshot.seen_at.values()), dtype=float).reshape(-1, 2)
         centres = (seen + 0.5) * self._grid.cell_m + np.asarray(self._grid.origin_m)
-        markers = ["diamond" if target in snapshot.beyond else "square" for target in snapshot.seen_at]
-        self._sightings.data = {"x": centres[:, 0].tolist(), "y": centres[:, 1].tolist(), "marker": markers}
+        shapes = [_BEYOND if target in snapshot.beyond else _IN_VIEW for target in snapshot.seen_at]
+        marker, size = [shape for shape, _ in shapes], [pixels for _, pixels in shapes]
+        x, y = centres.T.tolist()
+        self._sightings.data = {"x": x, "y": y, "marker": marker, "size": size}
         self._truth.data = self._true(snapshot)
 
     def show_belief(self, snapshot: Snapshot, target: str | None) -> None:
@@ -138,7 +142,7 @@ class FloorPlan:
                 "y",
                 source=self._sightings,
                 marker="marker",
-                size=19,
+                size="size",
                 fill_alpha=0,
                 line_color=colour,
                 line_width=width,

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from functools import reduce
-
 import numpy as np
 
 from factored_pomdp.errors import TooLarge
 from factored_pomdp.expansion import joint
 from factored_pomdp.factors import DenseFactor, Factor, SparseFactor
-from factored_pomdp.factors.base import union
+from factored_pomdp.files.defaults import as_terms
 from factored_pomdp.files.names import words
+from factored_pomdp.files.sums import summed
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.validation import is_certain
 from factored_pomdp.variables import Variable, count
@@ -20,15 +19,14 @@ __all__ = ["MOST_STATES", "flattened", "read_back"]
 MOST_STATES = 500_000
 """Joint states, actions or observations that a flat model may have."""
 
-_MOST_REWARDS = 5_000_000
-
 
 def flattened(model: FactoredPOMDP) -> FactoredPOMDP:
     """The same decision problem over joint states, actions and observations.
 
-    A model of one variable of each kind stays as it is, its rewards summed. Any other goes through `joint`: rewards
-    become those expected of a step; known variables that do not follow from what is known and done become part of the
-    observation; terminal states become absorbing and earn nothing.
+    A model of one variable of each kind stays as it is, its rewards summed: to one, or where that would be too large
+    a table, to ``reward`` and ``reward_exceptions``, of which the second reads all variables that the first does. Any
+    other goes through `joint`: rewards become those expected of a step; known variables that do not follow from what is
+    known and done become part of the observation; terminal states become absorbing and earn nothing.
 
     Raises
     ------
@@ -43,14 +41,12 @@ def flattened(model: FactoredPOMDP) -> FactoredPOMDP:
     for what, size in sizes.items():
         if size > MOST_STATES:
             raise TooLarge(f"{model.name} has {size:,} joint {what}; a .pomdp file may have {MOST_STATES:,}")
-    if _is_flat(model):
+    if not _is_flat(model):
+        return _expanded(model)
+    if len(model.reward) == 1:
         return model
-    if len(model.states) == len(model.actions) == len(model.observations) == 1 and not read_back(model):
-        rewards = tuple(model.reward.values())
-        scope = union(*(reward.scope for reward in rewards))
-        if model.terminal is None and count(scope) <= _MOST_REWARDS:
-            return _with_one_reward(model, _summed(rewards, scope))
-    return _expanded(model)
+    rewards = summed(tuple(model.reward.values()))
+    return _expanded(model) if rewards is None else _with_rewards(model, rewards)
 
 
 def read_back(model: FactoredPOMDP) -> tuple[Variable, ...]:
@@ -69,23 +65,17 @@ def read_back(model: FactoredPOMDP) -> tuple[Variable, ...]:
 def _is_flat(model: FactoredPOMDP) -> bool:
     one_each = len(model.states) == len(model.actions) == 1 and len(model.observations) <= 1
     seen = not read_back(model) or (not model.observations and len(model.states) == 1)
-    return one_each and seen and len(model.reward) == 1 and model.terminal is None
+    return one_each and seen and model.terminal is None
 
 
-def _summed(rewards: tuple[Factor, ...], scope: tuple[Variable, ...]) -> DenseFactor:
-    shape = [variable.size for variable in scope]
-    total = reduce(np.add, (reward.array_over(scope) for reward in rewards), np.zeros(shape))
-    return DenseFactor(scope, np.broadcast_to(total, shape))
-
-
-def _with_one_reward(model: FactoredPOMDP, reward: Factor) -> FactoredPOMDP:
+def _with_rewards(model: FactoredPOMDP, rewards: tuple[Factor, ...]) -> FactoredPOMDP:
     return FactoredPOMDP(
         states=model.states,
         actions=model.actions,
         observations=model.observations,
         transition=model.transition,
         observation=model.observation,
-        reward={"reward": reward},
+        reward=as_terms("reward", rewards),
         initial=model.initial,
         discount=model.discount,
         known=model.declared_known,

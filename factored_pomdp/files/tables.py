@@ -11,8 +11,9 @@ import numpy as np
 from factored_pomdp.errors import TooLarge
 from factored_pomdp.factors import DenseFactor, Factor, SparseFactor
 from factored_pomdp.factors.sparse import unflatten
+from factored_pomdp.files.boxes import Entries
 from factored_pomdp.files.faults import FaultList
-from factored_pomdp.files.layers import MOST_ENTRIES, Entries, Layers
+from factored_pomdp.files.layers import MOST_ENTRIES, Layers
 from factored_pomdp.validation import TOLERANCE
 from factored_pomdp.variables import Variable, count
 
@@ -20,10 +21,7 @@ __all__ = ["as_distribution", "as_factor", "as_reward"]
 
 _SPARSE_FROM = 100_000
 _SPARSE_BELOW = 0.25
-_WITHOUT_DEFAULT = (
-    "no number but 0 for so many places that has exceptions: a default makes every place an entry "
-    "(in a .pomdpx file it can be a reward of its own)"
-)
+_FEWER_EXCEPTIONS = "numbers that hold for many places to depend on fewer variables, or fewer exceptions to them"
 _MOST_ROWS = 100
 """Faulty rows of one table that are listed one by one."""
 
@@ -68,17 +66,27 @@ def as_distribution(
     return None if len(faults) > before or layers.doubts else as_factor(entries, kept)
 
 
-def as_reward(layers: Layers, scope: Sequence[Variable], where: str, faults: FaultList) -> Factor | None:
-    """A reward over those variables on which it depends, or ``None`` after its faults were noted."""
-    entries = _entries(layers, [], where, faults, wide=_WITHOUT_DEFAULT)
-    if entries is None:
+def as_reward(layers: Layers, scope: Sequence[Variable], where: str, faults: FaultList) -> tuple[Factor, ...] | None:
+    """A reward over those variables on which it depends, or ``None`` after its faults were noted.
+
+    Returns
+    -------
+    tuple of Factor
+        Their sum is the reward: one, or a base and differences from it where one alone would be too large a table
+        (`factored_pomdp.files.defaults`).
+    """
+    if faults.full:
         return None
-    kept = [scope[axis] for axis in entries.axes]
+    parts = _reward_entries(layers, where, faults)
     before = len(faults)
-    for position in np.flatnonzero(~np.isfinite(entries.numbers))[:_MOST_ROWS]:
-        at = _at(kept, entries.coordinates[position])
-        faults.note(int(entries.stamps[position]), where + at, f"{entries.numbers[position]:g}", "a finite number")
-    return None if len(faults) > before or layers.doubts else as_factor(entries, kept)
+    for entries in parts:
+        for position in np.flatnonzero(~np.isfinite(entries.numbers))[:_MOST_ROWS]:
+            at = _at([scope[axis] for axis in entries.axes], entries.coordinates[position])
+            faults.note(int(entries.stamps[position]), where + at, f"{entries.numbers[position]:g}", "a finite number")
+    if not parts or len(faults) > before or layers.doubts:
+        return None
+    said = [entries for entries in parts if len(entries.numbers)] or parts[:1]
+    return tuple(as_factor(entries, [scope[axis] for axis in entries.axes]) for entries in said)
 
 
 def as_factor(entries: Entries, scope: Sequence[Variable]) -> Factor:
@@ -110,9 +118,19 @@ class _Sums:
         return cls(totals, last, ~mixed & (np.bincount(rows, minlength=number) > 1))
 
 
-def _entries(
-    layers: Layers, keep: Sequence[int], where: str, faults: FaultList, wide: str = "a smaller table"
-) -> Entries | None:
+def _reward_entries(layers: Layers, where: str, faults: FaultList) -> tuple[Entries, ...]:
+    try:
+        return (layers.entries(),)
+    except TooLarge as problem:
+        found = str(problem)
+    try:
+        return layers.base_and_differences()
+    except TooLarge:
+        faults.note(None, where, found, _FEWER_EXCEPTIONS if layers.has_wide_numbers() else "a smaller table")
+        return ()
+
+
+def _entries(layers: Layers, keep: Sequence[int], where: str, faults: FaultList) -> Entries | None:
     if faults.full:
         return None
     try:
@@ -121,7 +139,7 @@ def _entries(
                 return layers.entries([*keep, *layers.doubts.axes])
         found = layers.entries(keep)
     except TooLarge as problem:
-        faults.note(None, where, str(problem), wide if layers.has_wide_numbers() else "a smaller table")
+        faults.note(None, where, str(problem), "a smaller table")
         return None
     return None if layers.doubts else found
 

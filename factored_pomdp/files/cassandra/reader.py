@@ -26,6 +26,7 @@ from factored_pomdp.files.build import built, with_notes
 from factored_pomdp.files.cassandra.preamble import KEYWORDS, Preamble
 from factored_pomdp.files.cassandra.statements import LETTERS, Statements
 from factored_pomdp.files.cassandra.tokens import Tokens
+from factored_pomdp.files.defaults import as_terms
 from factored_pomdp.files.faults import FaultList, FileError, FileFault, shortened
 from factored_pomdp.files.tables import as_distribution, as_reward
 from factored_pomdp.files.text import as_text, read_bytes
@@ -66,9 +67,9 @@ def read_cassandra(path: Path) -> FactoredPOMDP:
             faults.note(len(tokens) - 1, "statement", "more words than any can have here", "the next statement")
         faults.raise_if_any(path, tokens.lines_of)
     preamble.check_complete()
-    tables = {} if statements is None else _tables(statements, faults)
+    tables, rewards = ({}, ()) if statements is None else _tables(statements, faults)
     faults.raise_if_any(path, tokens.lines_of)
-    return _model(path, preamble, tables)
+    return _model(path, preamble, tables, rewards)
 
 
 def _read_all(tokens: Tokens, preamble: Preamble, faults: FaultList) -> Statements | None:
@@ -139,24 +140,26 @@ def _next_known(tokens: Tokens, begin: int) -> int:
     return len(tokens)
 
 
-def _tables(statements: Statements, faults: FaultList) -> dict[str, Factor | None]:
-    """The factor of each table by its letter; what is wrong with them is noted."""
+def _tables(statements: Statements, faults: FaultList) -> tuple[dict[str, Factor | None], tuple[Factor, ...]]:
+    """The distribution of each table by its letter, and the rewards; what is wrong with them is noted."""
     found: dict[str, Factor | None] = {}
-    for letter, about in (("T", "transition of state.next"), ("O", "observation of observation"), ("R", "reward")):
+    for letter, about in (("T", "transition of state.next"), ("O", "observation of observation")):
         kind = statements.kinds.get(letter)
-        if kind is not None and letter == "R":
-            found[letter] = as_reward(kind.layers, kind.scope, about, faults)
-        elif kind is not None:
+        if kind is not None:
             found[letter] = as_distribution(kind.layers, kind.scope, kind.scope[-1], about, faults)
-    return found
+    earned = statements.kinds.get("R")
+    rewards = as_reward(earned.layers, earned.scope, "reward", faults) if earned is not None else None
+    return found, rewards or ()
 
 
-def _model(path: Path, preamble: Preamble, tables: dict[str, Factor | None]) -> FactoredPOMDP:
+def _model(
+    path: Path, preamble: Preamble, tables: dict[str, Factor | None], rewards: tuple[Factor, ...]
+) -> FactoredPOMDP:
     state, action = preamble.variables["states"], preamble.variables["actions"]
     seen = preamble.variables.get("observations")
-    views, earned = tables.get("O"), tables["R"]
-    if preamble.costs and earned is not None:
-        earned = _negated(earned)
+    views = tables.get("O")
+    if preamble.costs:
+        rewards = tuple(map(_negated, rewards))
     belief = preamble.belief()
     notes: list[str] = []
     known: tuple[str, ...] = ()
@@ -174,7 +177,7 @@ def _model(path: Path, preamble: Preamble, tables: dict[str, Factor | None]) -> 
         observations=[] if seen is None else [seen],
         transition={"state": tables["T"]},
         observation={} if seen is None else {"observation": views},
-        reward={"reward": earned},
+        reward=as_terms("reward", rewards),
         initial={"state": DenseFactor([state], belief)},
         discount=preamble.discount,
         known=known,

@@ -12,6 +12,7 @@ from factored_pomdp.files.cassandra.preamble import KEYWORDS
 from factored_pomdp.files.cassandra.statements import LETTERS
 from factored_pomdp.files.flatten import flattened
 from factored_pomdp.files.names import counted, words
+from factored_pomdp.files.sums import with_base
 from factored_pomdp.files.text import write_text
 from factored_pomdp.model import FactoredPOMDP
 from factored_pomdp.variables import Variable
@@ -34,7 +35,7 @@ def _parts(model: FactoredPOMDP) -> Iterator[str]:
     (state,), (action,) = model.states, model.actions
     names = {variable.name: _words(variable) for variable in (state, action, *model.observations)}
     names[state.next.name] = names[state.name]
-    (reward,) = model.reward.values()
+    reward, *exceptions = model.reward.values()
     yield f"discount: {float(model.discount)!r}\nvalues: reward\n"
     yield f"states: {_listed(names[state.name])}\nactions: {_listed(names[action.name])}\n"
     seen = model.observations
@@ -50,7 +51,10 @@ def _parts(model: FactoredPOMDP) -> Iterator[str]:
     elif state.name not in model.declared_known:
         yield "\nO: * : * : nothing 1.0\n"
     stars = " : *" if not seen and state.name not in model.declared_known else ""
-    yield from _table("R", reward, (action, state, state.next, *seen), names, stars)
+    scope = (action, state, state.next, *seen)
+    yield from _table("R", reward, scope, names, stars)
+    for differences in exceptions:
+        yield from _table("R", with_base(reward, differences.sparse()), scope, names, stars)
 
 
 def _table(

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from factored_pomdp.errors import TooLarge
 from factored_pomdp.factors import Factor
 from factored_pomdp.files.chain import chained
+from factored_pomdp.files.defaults import as_terms
 from factored_pomdp.files.faults import FaultList, shortened
 from factored_pomdp.files.layers import Layers
 from factored_pomdp.files.pomdpx.diagram import read_diagram
@@ -79,7 +80,7 @@ def _rewards(
         name = read.reward(named)
         earned = read.value(name) if name and read.has_parts(faults) else None
         if earned is not None:
-            found.reward[name] = earned
+            found.reward |= as_terms(name, earned, variables.rewards | found.reward.keys())
         lost = lost or not name
         named.add(name)
     if not lost:
@@ -155,8 +156,8 @@ class _Function:
             return ""
         return name
 
-    def value(self, name: str) -> Factor | None:
-        """The reward as a factor."""
+    def value(self, name: str) -> tuple[Factor, ...] | None:
+        """The reward as a sum of factors."""
         parents = self.variables("Parent", self.known)
         if parents is None:
             return None

@@ -80,10 +80,11 @@ def refused(path: Path, content: str | bytes) -> str:
             "more numbers than expected",
         ),
         (
-            HEAD.format(states=5_000, actions=2, observations=2)
-            + "T: * identity\nO: * uniform\nR: * : * : * : * -1\nR: 0 : 3 : 4 : * 5\n",
-            "reward: found 50,000,001 entries or more that are not zero; 20,000,000 are allowed; expected no number "
-            "but 0 for so many places that has exceptions: a default makes every place an entry",
+            HEAD.format(states=40_000, actions=2, observations=2)
+            + "T: * identity\nO: * uniform\nR: * : * : * : * -1\n"
+            + "".join(f"R: * : {k} : * : * 2\nR: * : * : {k} : * 3\n" for k in range(600)),
+            "reward: found 1,648,000,000 entries or more that are not zero; 20,000,000 are allowed; expected numbers "
+            "that hold for many places to depend on fewer variables, or fewer exceptions to them",
         ),
         ("states: " + "a" * 2_000_000, "a name of 2,000,000 characters; expected at most 1,000"),
         (FLAT + "T: " + "a" * 2_000_000 + " identity", "expected an action (there are 2) or *"),

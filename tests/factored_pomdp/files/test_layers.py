@@ -42,9 +42,8 @@ def plain(said: list[tuple]) -> np.ndarray:
     return array
 
 
-@pytest.mark.property
-@given(statements(), st.sets(st.integers(0, 2)))
-def test_layers_are_what_filling_an_array_gives(said: list[tuple], keep: set[int]) -> None:
+def filled(said: list[tuple]) -> Layers:
+    """The statements as layers."""
     layers = Layers(SHAPE)
     for stamp, (coordinates, along, numbers) in enumerate(said):
         if numbers is None:
@@ -55,7 +54,13 @@ def test_layers_are_what_filling_an_array_gives(said: list[tuple], keep: set[int
             layers.scalars(np.array([coordinates]), numbers, np.array([stamp]))
         else:
             layers.scalar(coordinates, float(numbers[0]), stamp)
-    entries = layers.entries(sorted(keep))
+    return layers
+
+
+@pytest.mark.property
+@given(statements(), st.sets(st.integers(0, 2)))
+def test_layers_are_what_filling_an_array_gives(said: list[tuple], keep: set[int]) -> None:
+    entries = filled(said).entries(sorted(keep))
     found = np.zeros([SHAPE[axis] for axis in entries.axes])
     found[tuple(entries.coordinates.T)] = entries.numbers if entries.axes else entries.numbers.sum()
     for axis in sorted(set(range(3)) - set(entries.axes)):

@@ -61,6 +61,19 @@ def test_a_default_and_its_exceptions_over_a_table_of_a_billion_places() -> None
 
 
 @pytest.mark.example
+def test_a_number_for_each_value_may_be_the_base() -> None:
+    made = Layers([2, 50, 50])
+    made.array([-1, -1, -1], (1,), np.arange(50.0), 0)
+    made.scalar([-1, -1, 7], 3.0, 1)
+    base, differences = made.base_and_differences()
+    assert base.axes == (1,)
+    assert base.numbers.tolist() == list(range(1, 50))
+    assert differences.axes == (1, 2)
+    assert differences.coordinates.tolist() == [[value, 7] for value in range(50) if value != 3]
+    assert differences.numbers.tolist() == [3.0 - value for value in range(50) if value != 3]
+
+
+@pytest.mark.example
 def test_the_base_is_chosen_for_the_fewest_entries() -> None:
     shape = [5, 3_000, 3_000]
     default, exceptions = Piece(0b000, 1, 1), Piece(0b111, 10, 10)

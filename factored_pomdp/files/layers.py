@@ -11,6 +11,8 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from functools import reduce
+from operator import or_
 
 import numpy as np
 
@@ -127,12 +129,13 @@ class Layers:
             Beyond `MOST_ENTRIES` even so, before they are made.
         """
         covers = self._covers()
-        chosen, total = cheapest_base(self._pieces(covers), self.shape)
+        pieces = self._pieces(covers)
+        chosen, total = cheapest_base(pieces, self.shape)
         self._refuse_if_large(total)
         within, others = self._part(chosen, within=True), self._part(chosen, within=False)
         axes = tuple(self._listed_axes(chosen))
         base = within._last(axes, within._covers())
-        around = others._axes(axes)
+        around = tuple(self._listed_axes(reduce(or_, (piece.axes for piece in pieces), chosen)))
         keys, numbers, stamps = others._last(around, covers, zeros=True)
         numbers = numbers - looked_up(*base[:2], self._first(keys, self._fixed(chosen)))
         return self._listed(axes, *base), self._listed(around, keys, numbers, stamps)
@@ -164,7 +167,7 @@ class Layers:
         return part
 
     def _pieces(self, covers: _Covers) -> list[Piece]:
-        """How many numbers statements that hold may give, by the axes on which they depend."""
+        """How many numbers those statements may give that no later box covers, by the axes on which they depend."""
         places: Counter[int] = Counter()
         numbers: Counter[int] = Counter()
         for free, column in self._columns.items():
@@ -174,7 +177,7 @@ class Layers:
         for block, gone in self._with_fate(covers):
             places[self._about(block)] += 0 if gone else self._extent(block.along)
             numbers[self._about(block)] += block.count
-        return [Piece(axes, places[axes], numbers[axes]) for axes in places if places[axes] or numbers[axes]]
+        return [Piece(axes, places[axes], numbers[axes]) for axes in places if places[axes]]
 
     def _fixed(self, free: int) -> int:
         return (1 << len(self.shape)) - 1 & ~free

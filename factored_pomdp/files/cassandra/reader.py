@@ -10,7 +10,8 @@ The model has one state variable ``state``, one action variable ``action`` and o
 ``observation`` (values that are only counted are named ``"0"``, ``"1"``, …), and each table is a factor over those
 variables on which it depends. A file without ``observations:`` is a Markov decision process, whose state is seen: it is
 ``known`` where its start is certain, and otherwise the observation *is* the next state, which a note says (nothing is
-read before the first step).
+read before the first step). A reward that would be too large as one table, such as a number for every place with some
+exceptions, becomes two whose sum it is: ``reward`` and ``reward_exceptions`` (`factored_pomdp.files.defaults`).
 """
 
 from __future__ import annotations

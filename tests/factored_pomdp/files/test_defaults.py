@@ -43,18 +43,19 @@ def test_base_and_differences_sum_to_the_table(said: list[tuple]) -> None:
 
 
 @pytest.mark.example
-def test_a_default_and_its_exceptions_over_a_table_of_a_billion_places() -> None:
-    made = Layers([10, 10_000, 10_000])
-    made.scalar([-1, 7, 8], 5.0, 0)
-    made.scalar([-1, -1, -1], -1.0, 1)
-    made.scalar([3, -1, -1], -2.0, 2)
-    made.scalar([-1, 4, 5], 0.0, 3)
-    made.scalar([3, 6, 6], -2.0, 4)
-    made.scalar([2, 9, 9], 10.0, 5)
+def test_a_default_and_its_exceptions_over_a_hundred_billion_places() -> None:
+    made = Layers([10, 10_000, 10_000, 100])
+    made.scalar([-1, 7, 8, 1], 5.0, 0)
+    made.scalar([-1, -1, -1, -1], -1.0, 1)
+    made.scalar([3, -1, -1, -1], -2.0, 2)
+    made.scalar([-1, 4, 5, -1], 0.0, 3)
+    made.scalar([3, 6, 6, -1], -2.0, 4)
+    made.scalar([2, 9, 9, -1], 10.0, 5)
     base, differences = made.base_and_differences()
     assert base.axes == (0,)
     assert base.numbers.tolist() == [-1, -1, -1, -2, -1, -1, -1, -1, -1, -1]
     assert base.stamps.tolist() == [1, 1, 1, 2, 1, 1, 1, 1, 1, 1]
+    assert differences.axes == (0, 1, 2)
     places = differences.coordinates.tolist()
     assert places == [[0, 4, 5], [1, 4, 5], [2, 4, 5], [2, 9, 9], *([action, 4, 5] for action in range(3, 10))]
     assert differences.numbers.tolist() == [1, 1, 1, 11, 2, 1, 1, 1, 1, 1, 1]

@@ -21,16 +21,24 @@ if TYPE_CHECKING:
 __all__ = ["content_of", "shown", "write_report"]
 
 _MOST_ROWS = 200
+_NARROW = 3
+"""Columns that a phone has room for."""
 
 _FRAME = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>{title}</title>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <style>
 body {{ font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; max-width: 60rem; margin: 2rem auto; padding: 0 1rem }}
-img {{ max-width: 100%; height: auto }}
-.wide {{ overflow-x: auto }}
+figure {{ margin: 1rem 0 }}
+svg {{ max-width: 100%; height: auto }}
 table {{ border-collapse: collapse; font-variant-numeric: tabular-nums }}
 th, td {{ padding: .2rem .8rem .2rem 0; text-align: left; vertical-align: top; border-bottom: 1px solid #ddd }}
+@media (max-width: 40rem) {{
+  .wide tr:first-child {{ display: none }}
+  .wide tr {{ display: block; padding: .5rem 0; border-bottom: 1px solid #ddd }}
+  .wide td {{ display: grid; grid-template-columns: 4.5rem 1fr; border: 0; padding: 0; overflow-wrap: anywhere }}
+  .wide td::before {{ content: attr(data-head); color: #666 }}
+}}
 </style></head><body>
 <h1>{title}</h1>
 {body}
@@ -217,12 +225,14 @@ def write_report(out: Path, content: Mapping[str, Any], morning: Morning) -> lis
     with whole_folder(out) as folder:
         save_figure(_picture(morning), folder / "night.png")
         (folder / "report.txt").write_text(text.getvalue(), encoding="utf-8")
-        (folder / "report.html").write_text(_html(content), encoding="utf-8")
+        chart = (folder / "night.svg").read_text(encoding="utf-8")
+        (folder / "report.html").write_text(_html(content, chart[chart.index("<svg") :]), encoding="utf-8")
         names = sorted(file.name for file in folder.iterdir())
     return [str(out / name) for name in names]
 
 
-def _html(content: Mapping[str, Any]) -> str:
+def _html(content: Mapping[str, Any], chart: str) -> str:
+    """The page in one file, so that it can be mailed; on a phone the rows of wide tables become lists."""
     parts = []
     for title, heads, rows in _tables(content):
         if title:
@@ -231,13 +241,18 @@ def _html(content: Mapping[str, Any]) -> str:
             parts.append("<p>None.</p>")
             continue
         head = "".join(f"<th>{escape(one)}</th>" for one in heads)
-        lines = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-        parts.append(f'<div class="wide"><table><tr>{head}</tr>{lines}</table></div>')
+        lines = "".join(f"<tr>{''.join(map(_cell, heads, row))}</tr>" for row in rows)
+        wide = ' class="wide"' if len(heads) > _NARROW else ""
+        parts.append(f"<table{wide}><tr>{head}</tr>{lines}</table>")
         if not title:
             alt = "Share of targets seen and of the floor in view over time, and which camera was missing when"
-            parts.append(f'<p><img src="night.svg" alt="{alt}"></p>')
+            parts.append(f'<figure role="img" aria-label="{alt}">{chart}</figure>')
     title = f"{content['site']}: the night's report"
     return _FRAME.format(title=escape(title), body="\n".join(parts), command=escape(COMMAND_LINE.get()))
+
+
+def _cell(head: str, content: str) -> str:
+    return f'<td data-head="{escape(head)}">{escape(content)}</td>'
 
 
 def _picture(morning: Morning) -> Figure:

@@ -179,12 +179,14 @@ def _alert(site: Site) -> Alert | None:
     if command is None:
         return None
     from surveillance_domain.commands.alerting import alerter
+    from surveillance_domain.page.door import TOKEN_VARIABLE
 
+    secrets = [TOKEN_VARIABLE, *(camera.password_env for camera in site.cameras if camera.password_env)]
     try:
-        return alerter(command, site.name)
+        return alerter(command, site.name, secrets)
     except ValueError as problem:
         raise InputError(
-            f"site {site.name}: operation.alert_command: found {command}, which is no command ({str(problem).lower()})"
+            f"site {site.name}: operation.alert_command: found {command}, which is no command ({problem})"
         ) from None
 
 

@@ -54,6 +54,8 @@ class Watch:
         Done so far.
     failures : dict of str to int
         Steps in which a camera's view was lost, though nobody else had it.
+    last_faults : dict of str to (int, str)
+        For cameras that lost views: the number of the last such step, and why.
     unrecorded : int
         Steps that could not be written to the record.
     """
@@ -71,6 +73,7 @@ class Watch:
         self._lost: set[str] = set()
         self._seen_last: dict[str, float] = {}
         self.steps, self.unrecorded, self.failures = 0, 0, dict.fromkeys(world.reports, 0)
+        self.last_faults: dict[str, tuple[int, str]] = {}
         self._shares, self._counted, self._seen, self._beyond, self._expected = 0.0, 0, 0, 0, 0.0
         self._unused = {"without_identity": 0, "out_of_view": 0}
         self._decision_ms: deque[float] = deque(maxlen=_TIMES)
@@ -153,7 +156,9 @@ class Watch:
             self._shares, self._counted = self._shares + step.observed / present, self._counted + 1
         self._decision_ms.append(step.decision_ms)
         for name, view in step.sighting.views.items():
-            self.failures[name] += view is None and name not in step.sighting.held
+            if view is None and name not in step.sighting.held:
+                self.failures[name] += 1
+                self.last_faults[name] = step.number, self.world.reports[name].because or NO_VIEW
 
     def _write(self, step: Step) -> None:
         """A record that cannot be written does not stop a watch; it is told of, and tried again."""

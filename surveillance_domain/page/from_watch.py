@@ -76,13 +76,14 @@ def _camera(
     camera: Camera, watch: Watch, view: str | None, told: Mapping[str, Any], picture: PictureSnapshot | None
 ) -> CameraSnapshot:
     report = watch.world.reports[camera.name]
+    at, last = watch.last_faults.get(camera.name, (0, ""))
     return CameraSnapshot(
         name=camera.name,
         view=None if view is None else [preset.name for preset in camera.presets].index(view),
         heading=None if report.position is None else _heading(camera, report.position),
         state=told["state"],
         failures=told["failures"],
-        because=report.because,
+        because=report.because or (f"step {at}: {last}" if last else ""),
         picture=picture,
     )
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from surveillance_domain.page.door import allowed_origins, door
 from surveillance_domain.page.feed import Feed
+from surveillance_domain.page.log import quieten
 from surveillance_domain.page.session import Content, Session
 from surveillance_domain.page.snapshot import Snapshot
 
@@ -77,6 +78,7 @@ class LivePage:
             if problem.name != "bokeh":
                 raise
             raise PageMissing("the page needs Bokeh: pip install 'factored-pomdp[page]'") from None
+        quieten()
         ready: Future[BaseServer] = Future()
         self._thread = threading.Thread(target=lambda: asyncio.run(self._serve(ready)), name="page", daemon=True)
         self._thread.start()

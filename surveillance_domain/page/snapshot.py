@@ -67,7 +67,7 @@ class CameraSnapshot:
     failures : int
         Steps without a view so far, though nobody else had it.
     because : str
-        What went wrong with it; empty if nothing did.
+        What went wrong with it, in this step or when it last lost its view; empty if nothing did.
     picture : PictureSnapshot or None
         Of this step.
     """

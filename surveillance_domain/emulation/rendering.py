@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from surveillance_domain.emulation.canvas import Canvas
+from surveillance_domain.emulation.mask_painting import MaskPainter
 from surveillance_domain.emulation.solids import Face, box, level_square, walls
 from surveillance_domain.emulation.textures import MARKER_SHARE, floor, marker_top
 from surveillance_domain.model.looks import Look
@@ -100,12 +101,16 @@ class Renderer:
         headings_rad: Float[np.ndarray, " targets"],
         compression: int = 20,
         luck: np.random.Generator | None = None,
+        masks: MaskPainter | None = None,
     ) -> bytes:
-        """The same as a JPEG; ``compression`` goes from 0 to 100, as cameras count it."""
+        """The same as a JPEG; ``compression`` goes from 0 to 100, as cameras count it; the camera's masks are black."""
         import cv2
 
+        picture = self.picture(pinhole, places_m, headings_rad, luck)
+        if masks is not None:
+            masks.paint(pinhole, picture)
         quality = [cv2.IMWRITE_JPEG_QUALITY, max(5, 100 - compression)]
-        _, encoded = cv2.imencode(".jpg", self.picture(pinhole, places_m, headings_rad, luck), quality)
+        _, encoded = cv2.imencode(".jpg", picture, quality)
         return encoded.tobytes()
 
     def _targets(

@@ -17,6 +17,7 @@ from surveillance_domain.cameras.opening import open_camera
 from surveillance_domain.cameras.vapix import VapixCamera
 from surveillance_domain.emulation.camera import EmulatedCamera
 from surveillance_domain.emulation.guard import Guard
+from surveillance_domain.emulation.mask_painting import MaskPainter
 from surveillance_domain.emulation.motors import EmulatedMotors
 from surveillance_domain.emulation.moving_targets import MovingTargets
 from surveillance_domain.emulation.rendering import Renderer
@@ -156,9 +157,11 @@ class EmulatedSite:
         )
         guard = Guard(f"AXIS_ACCC8E{number + 1:06X}", USERNAME, PASSWORD, self._clock, for_nonces)
 
+        masks = MaskPainter(description)
+
         def snapshot(size: tuple[int, int], compression: int) -> bytes:
             view = pinhole(description, *motors.true(), size)
-            return self._renderer.jpeg(view, *self._targets.poses(), compression, for_noise)
+            return self._renderer.jpeg(view, *self._targets.poses(), compression, for_noise, masks)
 
         size = (description.image.width, description.image.height)
         magnification = tuple((zoom, _half(description, 0) / _half(description, n)) for n, zoom in _zooms(description))

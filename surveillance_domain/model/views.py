@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float, Int
 from surveillance_domain.model.line_of_sight import line_of_sight
 from surveillance_domain.model.optics import depth_m, in_picture, reach_m, within_depth
 from surveillance_domain.model.privacy import privacy_faults
+from surveillance_domain.model.privacy_masks import masked_points
 from surveillance_domain.site.camera import Camera, Preset
 from surveillance_domain.site.faults import Fault, SiteError
 from surveillance_domain.site.grid import Grid
@@ -47,6 +48,8 @@ class Views:
 def build_views(site: Site) -> Views:
     """Every preset's field of view: in the picture, within the depth, no wall between (model.md, "Resolution").
 
+    Cells whose centre lies behind one of the camera's privacy masks are in none of its fields of view.
+
     Time: free cells in reach times the cells on the way to them; memory: cells times presets.
 
     Raises
@@ -82,6 +85,7 @@ def _camera_views(grid: Grid, camera: Camera) -> Bool[np.ndarray, "presets cells
     shown = np.array(
         [in_picture(camera, preset, points) & within_depth(camera, preset, points) for preset in camera.presets]
     )
+    shown &= ~masked_points(camera, points)
     wanted = np.flatnonzero(shown.any(axis=0))
     clear = line_of_sight(grid, np.array(camera.mount.position_m[:2]), points[wanted, :2])
     views = np.zeros((len(camera.presets), grid.size), dtype=bool)
@@ -115,5 +119,8 @@ def _blind(grid: Grid, camera: Camera, preset: Preset, where: str) -> Fault:
     elif not deep.any():
         expected = f"a free cell within the depth of {depth_m(camera, preset):.3g} m (max_depth_m, required_px_per_m)"
     else:
-        expected = f"a clear view: walls hide all {int(deep.sum())} free cells in its picture"
+        total, hidden = int(deep.sum()), int(masked_points(camera, points[deep]).sum())
+        others = ", walls the others" if hidden < total else ""
+        hiding = f"privacy_masks hide {hidden} of {total}" if hidden else f"walls hide all {total}"
+        expected = f"a clear view: {hiding} free cells in its picture{others if hidden else ''}"
     return Fault(where, f'preset "{preset.name}" of camera "{camera.name}" that sees no free cell', expected)

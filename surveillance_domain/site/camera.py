@@ -25,7 +25,7 @@ from surveillance_domain.site.fields import (
     UserName,
 )
 
-__all__ = ["Camera", "Image", "Mount", "Preset"]
+__all__ = ["Camera", "Image", "Mount", "Preset", "PrivacyMask"]
 
 _Pixels = Annotated[Count, Field(ge=1, le=65536)]
 _FieldOfView = Annotated[Number, Field(gt=0, lt=180)]
@@ -55,6 +55,17 @@ class Image(Section):
     height: _Pixels = Field(description="a whole number of pixels, 1 to 65536")
 
 
+class PrivacyMask(Section):
+    """A rectangle that a privacy mask set in the camera itself covers, in the camera's own numbers."""
+
+    pan_deg: tuple[Degrees, Degrees] = Field(
+        description="[from, to], degrees as the camera shows them, rising by at most 180; [170, -170] goes over 180"
+    )
+    tilt_deg: tuple[Degrees, Degrees] = Field(
+        description="[from, to], degrees as the camera shows them, the lower one first"
+    )
+
+
 class Preset(Section):
     """One value of a camera's state variable: a position in the camera's own numbers."""
 
@@ -74,6 +85,9 @@ class Camera(Section):
     mount: Mount = Field(description="a table with position_m = [x, y, height]")
     presets: Annotated[tuple[Preset, ...], Field(min_length=1)] = Field(
         description="at least one [[cameras.presets]] table with name, pan, tilt and zoom"
+    )
+    privacy_masks: tuple[PrivacyMask, ...] = Field(
+        (), description="tables such as { pan_deg = [-20, 10], tilt_deg = [-60, -40] }, as set in the camera"
     )
     home: Name | None = Field(None, description="the name of one of the camera's presets")
     zoom_hfov: Annotated[tuple[tuple[Positive, _FieldOfView], ...], Field(min_length=1)] = Field(

@@ -16,6 +16,7 @@ from surveillance_domain.site.schema import SiteFile
 __all__ = ["check_fields"]
 
 _DICTIONARY_SIZE_OF_ARUCO_ORIGINAL = 1024
+_WIDEST_MASK_DEG = 180.0
 
 
 def check_fields(file: SiteFile, folder: Path) -> tuple[Fault, ...]:
@@ -70,6 +71,18 @@ def _camera_faults(where: str, camera: Camera, folder: Path) -> Iterator[Fault]:
             yield Fault(f"{where}.presets[{index}].zoom", f"{preset.zoom:g}", limits)
         if preset.homography is not None and abs(np.linalg.det(np.array(preset.homography))) < 1e-12:
             yield Fault(f"{where}.presets[{index}].homography", "a singular matrix", "a matrix that can be inverted")
+    for index, mask in enumerate(camera.privacy_masks):
+        (first, last), (low, high) = mask.pan_deg, mask.tilt_deg
+        wide = (last - first) % 360
+        if not 0 < wide <= _WIDEST_MASK_DEG or abs(last - first) >= 360:
+            expected = (
+                f"pan rising from the first to the second by more than 0 and at most {_WIDEST_MASK_DEG:g} degrees "
+                "([170, -170] goes over 180); two masks for more"
+            )
+            yield Fault(f"{where}.privacy_masks[{index}].pan_deg", f"[{first:g}, {last:g}]", expected)
+        if not 0 < high - low <= _WIDEST_MASK_DEG:
+            expected = f"the lower one first, at most {_WIDEST_MASK_DEG:g} degrees apart"
+            yield Fault(f"{where}.privacy_masks[{index}].tilt_deg", f"[{low:g}, {high:g}]", expected)
     if camera.required_px_per_m is None and camera.max_depth_m is None:
         yield Fault(where, "no depth", "required_px_per_m or max_depth_m, or both")
     if camera.ca_file is not None:

@@ -11,7 +11,7 @@ from surveillance_domain.cameras.base import Position
 from surveillance_domain.model.pinhole import Pinhole, pinhole
 from surveillance_domain.site.camera import Camera, Preset
 
-__all__ = ["Ground", "ground", "preset_at", "through"]
+__all__ = ["Ground", "ground", "preset_at", "through", "view_at"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,9 +71,7 @@ def ground(camera: Camera, position: Position, size: tuple[int, int]) -> Ground:
     size : (int, int)
         Width and height of the picture in pixels; a homography belongs to pictures of the site's size and is scaled.
     """
-    nearest = min(camera.presets, key=lambda one: abs(one.pan - position.pan) + abs(one.tilt - position.tilt))
-    zoom = nearest.zoom if position.zoom is None else position.zoom
-    view = pinhole(camera, position.pan, position.tilt, zoom, size)
+    view = view_at(camera, position, size)
     preset = preset_at(camera, position)
     if preset is None or preset.homography is None:
         return Ground(view.homography(), view.position_m, size, calibrated=False)
@@ -81,6 +79,13 @@ def ground(camera: Camera, position: Position, size: tuple[int, int]) -> Ground:
     to_site = np.array([[scale[0], 0, (scale[0] - 1) / 2], [0, scale[1], (scale[1] - 1) / 2], [0, 0, 1]])
     to_floor = np.array(preset.homography, dtype=float) @ to_site
     return Ground(_seeing_side(to_floor, view), view.position_m, size, calibrated=True)
+
+
+def view_at(camera: Camera, position: Position, size: tuple[int, int]) -> Pinhole:
+    """The pinhole model with a position's own numbers; where it has no zoom, with that of the nearest preset."""
+    nearest = min(camera.presets, key=lambda one: abs(one.pan - position.pan) + abs(one.tilt - position.tilt))
+    zoom = nearest.zoom if position.zoom is None else position.zoom
+    return pinhole(camera, position.pan, position.tilt, zoom, size)
 
 
 def preset_at(camera: Camera, position: Position) -> Preset | None:

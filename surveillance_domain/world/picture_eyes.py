@@ -13,6 +13,7 @@ from surveillance_domain.vision.aruco import MarkerDetector
 from surveillance_domain.vision.base import Detector
 from surveillance_domain.vision.blobs import BlobDetector
 from surveillance_domain.vision.ground import ground
+from surveillance_domain.vision.masks import unmasked
 from surveillance_domain.vision.observe import Located, Observed, Observer, located
 from surveillance_domain.vision.opencv import BadImage, decoded, opencv
 from surveillance_domain.world.eyes import Look
@@ -33,6 +34,8 @@ class Sight:
 
 class PictureEyes:
     """Finds a site's targets by their markers, or by their colours where it has none.
+
+    What a declared privacy mask covers is not used, whether the camera blackens it or not.
 
     Parameters
     ----------
@@ -71,8 +74,9 @@ class PictureEyes:
             detections = self._detector.detect(decoded(picture.jpeg))
         except self._failures as problem:
             raise BadPicture(f"{camera.name}: {problem}") from None
-        floor = ground(self._described[camera.name], picture.position, (picture.width, picture.height))
-        found = located(floor, self._site.grid, detections)
+        described, size = self._described[camera.name], (picture.width, picture.height)
+        shown = unmasked(described, picture.position, size, detections)
+        found = located(ground(described, picture.position, size), self._site.grid, shown)
         return Look(picture.position, Sight(picture, found))
 
     def seen(self, looks: Mapping[str, Look], views: Mapping[str, str | None]) -> Observed:

@@ -64,6 +64,7 @@ COMPLETE: dict[str, Any] = {
             "pan_deg_per_s": 100.0,
             "tilt_deg_per_s": 90.0,
             "zoom_per_s": 5000.0,
+            "privacy_masks": [{"pan_deg": [-20.0, 10.0], "tilt_deg": [-80.0, -60.0]}],
             "home": "left",
             "presets": [
                 {

@@ -46,7 +46,7 @@ def open_camera(
     Raises
     ------
     CameraError
-        If the site gives no url, or the environment variable is not set.
+        If the site gives no url, or the environment variable is not set, or is empty.
     """
     import requests
 
@@ -57,8 +57,11 @@ def open_camera(
         raise CameraError(f"{description.name}: no url; give the camera's address, such as http://192.168.0.90")
     if password is None and description.password_env is not None:
         password = os.environ.get(description.password_env)
-        if password is None:
-            raise CameraError(f"{description.name}: set {description.password_env}, the variable of its password")
+        if not password:  # an empty one would be a failed log-in, of which cameras forgive but a few
+            empty = "" if password is None else ", which is empty"
+            raise CameraError(
+                f"{description.name}: set {description.password_env}, the variable of its password{empty}"
+            )
     login = None
     if description.username is not None:
         secure = description.url.startswith("https:")

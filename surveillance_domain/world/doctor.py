@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
-from surveillance_domain.cameras.base import Outcome, Picture, Position
+from surveillance_domain.cameras.base import Move, Outcome, Picture, Position
 from surveillance_domain.cameras.clock import Clock
 from surveillance_domain.cameras.errors import (
     BadAnswer,
@@ -171,11 +171,11 @@ class Examination:
         if shown is None:
             return
         ahead_s = (shown - self.today()).total_seconds()
-        off = f"{abs(ahead_s):.0f} s {'ahead' if ahead_s > 0 else 'behind'}"
+        off = f"{abs(ahead_s):.0f} s {'ahead of' if ahead_s > 0 else 'behind'}"
         if abs(ahead_s) <= _MOST_AHEAD_S:
-            yield Check("clock", True, f"{off} of this machine's")
+            yield Check("clock", True, f"{off} this machine's")
         else:
-            yield Check("clock", False, f"{off} of this machine's: give both the same time server (NTP)")
+            yield Check("clock", False, f"{off} this machine's: give both the same time server (NTP)")
 
     def _move(self, camera: VapixCamera, here: Position) -> Check:
         """To a preset that it is not at, and back."""
@@ -193,12 +193,29 @@ class Examination:
             return Check("move", True, "its only preset is where it looks")
         there = elsewhere[0]
         out = camera.move(_at(there), description.move_deadline_s)
+        if out.outcome is not Outcome.REACHED:
+            self._call_back(camera, here)
         back = camera.move(here, description.move_deadline_s)
         for move, where in ((out, f'to "{there.name}"'), (back, "back again")):
             if move.outcome is not Outcome.REACHED:
                 mend = "is it held, blocked, or told to move by somebody else?"
-                return Check("move", False, f"{where}: {move.outcome}: {move.because}; {mend}")
+                return Check("move", False, f"{where}: {move.outcome}: {move.because}; {_left(back)}; {mend}")
         return Check("move", True, f'to "{there.name}" in {out.seconds:.2f} s, settled, and back')
+
+    def _call_back(self, camera: VapixCamera, here: Position) -> None:
+        """Send it back even where it tells that it is there: a camera whose move failed may tell anything."""
+        try:
+            camera.send(here, self.clock.now() + _BUDGET_S)
+        except CameraError:
+            return  # the move that follows tells why
+
+
+def _left(back: Move) -> str:
+    """Where the test leaves a camera, by what that tells."""
+    if back.position is None:
+        return "where it looks now it does not tell"
+    where = f"pan {back.position.pan:g}, tilt {back.position.tilt:g}"
+    return f"sent back, it tells {where}" if back.outcome is Outcome.REACHED else f"left at {where}, as it tells"
 
 
 def _at(preset: Preset) -> Position:

@@ -100,6 +100,11 @@ def test_the_password_comes_from_the_environment(monkeypatch: pytest.MonkeyPatch
     monkeypatch.delenv("CAM_NORTH_PASSWORD", raising=False)
     with pytest.raises(CameraError, match="north: set CAM_NORTH_PASSWORD"):
         driver(password_env="CAM_NORTH_PASSWORD")
+    monkeypatch.setenv("CAM_NORTH_PASSWORD", "")
+    with pytest.raises(
+        CameraError, match="north: set CAM_NORTH_PASSWORD, the variable of its password, which is empty"
+    ):
+        driver(password_env="CAM_NORTH_PASSWORD")
     monkeypatch.setenv("CAM_NORTH_PASSWORD", "hush")
     assert "hush" not in repr(driver(password_env="CAM_NORTH_PASSWORD"))
 

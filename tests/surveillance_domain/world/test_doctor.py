@@ -256,7 +256,7 @@ def test_guard_tours_queues_and_clocks(monkeypatch: pytest.MonkeyPatch) -> None:
         camera.close()
         (clock,) = [one for one in found if one.name == "clock"]
         assert not clock.ok
-        assert "300 s behind of this machine's: give both the same time server" in clock.detail.replace("301", "300")
+        assert "300 s behind this machine's: give both the same time server" in clock.detail.replace("301", "300")
 
 
 @pytest.mark.end_to_end
@@ -267,3 +267,6 @@ def test_a_camera_that_does_not_do_as_it_is_told() -> None:
         move = examined(emulation)["move"]
         assert not move.ok
         assert "stalled" in move.detail
+        assert "sent back, it tells pan -40, tilt -40" in move.detail
+        emulation._clock.sleep(1.0)
+        assert emulation.cameras["south"].motors.true()[:2] == (-40.0, -40.0)  # where it stood, not where it was sent

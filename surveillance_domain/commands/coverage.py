@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from factored_pomdp.commands.answers import COMMAND_LINE, AsJson, InputError, answer, table
+from factored_pomdp.commands.answers import COMMAND_LINE, AsJson, InputError, answer, checked_output, table
 from surveillance_domain.commands.options import SiteName, input_checked
 
 __all__ = ["coverage"]
@@ -22,7 +22,6 @@ def coverage(
     import numpy as np
 
     from factored_pomdp.provenance import provenance
-    from surveillance_domain.commands.folder import ready_folder
     from surveillance_domain.model.coverage import best_joint_coverage
     from surveillance_domain.model.views import build_views
     from surveillance_domain.pictures.coverage import draw_coverage
@@ -31,10 +30,10 @@ def coverage(
 
     if out.suffix.lower() not in (".png", ".svg") or out.is_dir():
         raise InputError(f"--out {out}: expected the name of a file that ends in .png")
+    checked_output("--out", out)
     with input_checked():
         found = load_site(site)
         views = build_views(found)
-    ready_folder(out.parent)
     written = save_figure(draw_coverage(found, views), out)
     best, method = best_joint_coverage(views)
     joint = float(np.mean(views.seen(best) > 0))

@@ -34,7 +34,7 @@ def emulate(
     import numpy as np
 
     from surveillance_domain.cameras.clock import RealClock
-    from surveillance_domain.commands.emulated_site_file import PASSWORD_ENV, write_site_file
+    from surveillance_domain.commands.emulated_site_file import PASSWORD_ENV, check_new_file, write_site_file
     from surveillance_domain.commands.options import truth_kind
     from surveillance_domain.commands.stopping import until_stopped
     from surveillance_domain.emulation.site import PASSWORD, USERNAME, EmulatedSite
@@ -42,6 +42,8 @@ def emulate(
     from surveillance_domain.site.load import load_site
     from surveillance_domain.vision.point_files import read_markers
 
+    if site_out is not None:
+        check_new_file(site_out)
     with input_checked():
         found = load_site(site)
         build_views(found)

@@ -7,15 +7,28 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from factored_pomdp.commands.answers import InputError
+from factored_pomdp.commands.answers import InputError, checked_output
 
 if TYPE_CHECKING:
     from surveillance_domain.site.site import Site
 
-__all__ = ["PASSWORD_ENV", "write_site_file"]
+__all__ = ["PASSWORD_ENV", "check_new_file", "write_site_file"]
 
 PASSWORD_ENV = "CAM_PASSWORD"
 """The environment variable that the file names for the cameras' password."""
+
+
+def check_new_file(path: Path) -> None:
+    """Before anything is started: whether the file can be written.
+
+    Raises
+    ------
+    InputError
+        If there is something already, or no folder for it.
+    """
+    if path.exists():
+        raise InputError(f"--site-out {path} is there already: give another name, or remove it")
+    checked_output("--site-out", path)
 
 
 def write_site_file(site: Site, urls: Mapping[str, str], username: str, path: Path) -> None:
@@ -32,14 +45,12 @@ def write_site_file(site: Site, urls: Mapping[str, str], username: str, path: Pa
     Raises
     ------
     InputError
-        If there is something already, or it cannot be written.
+        If it cannot be written; see `check_new_file`.
     SiteError
         If the site would not be sound there, because of files that it names relative to its own place.
     """
     from surveillance_domain.site.editing import edited_site, set_camera_key
 
-    if path.exists():
-        raise InputError(f"{path} is there already: give another name, or remove it")
     built_in = resources.files("surveillance_domain.site") / "builtin" / f"{site.name}.toml"
     beside = path.with_name(f".{path.stem}.unfinished.toml")
     try:

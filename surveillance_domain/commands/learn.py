@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from factored_pomdp.commands.answers import COMMAND_LINE, AsJson, InputError, answer, side_console, table
+from factored_pomdp.commands.answers import (
+    COMMAND_LINE,
+    AsJson,
+    InputError,
+    answer,
+    checked_output,
+    side_console,
+    table,
+)
 from surveillance_domain.commands.options import Seed, input_checked
 from surveillance_domain.commands.recordings import (
     Columns,
@@ -61,7 +69,6 @@ def learn(
     """Learn how people move: sigmas of direction and speed, a set of speeds, a prior, and how well they foretell."""
     import numpy as np
 
-    from surveillance_domain.commands.folder import ready_folder
     from surveillance_domain.trajectories.fitting import fit_motion
     from surveillance_domain.trajectories.held_out import held_out_log_likelihood
     from surveillance_domain.trajectories.prior import cell_prior
@@ -78,7 +85,7 @@ def learn(
     found = {path: read_tracks(path, given, max_gap_s, fastest_mps) for path in dict.fromkeys(trajectories)}
     tracks = _together(found, step_s)
     if picture is not None:
-        ready_folder(picture.parent)
+        checked_output("--picture", picture)
     rng = np.random.default_rng(seed)
     with input_checked():
         everyone = transitions(tracks, step_s)

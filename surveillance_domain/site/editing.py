@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from copy import deepcopy
 from pathlib import Path
@@ -38,8 +38,14 @@ def editable_path(site: Site) -> Path:
 
 
 @contextmanager
-def edited_site(path: Path) -> Iterator[TOMLDocument]:
+def edited_site(path: Path, check: Callable[[Site], object] | None = None) -> Iterator[TOMLDocument]:
     """A site file as a document to be changed; it is written when the block ends without an error.
+
+    Parameters
+    ----------
+    path : Path
+    check : callable, optional
+        Asked of the changed site, beyond what reading it checks; raises `SiteError` if the site is not sound.
 
     Raises
     ------
@@ -58,7 +64,9 @@ def edited_site(path: Path) -> Iterator[TOMLDocument]:
         with os.fdopen(handle, "wb") as file:
             file.write(tomlkit.dumps(document).encode("utf-8"))
         try:
-            load_site(beside)
+            changed = load_site(beside)
+            if check is not None:
+                check(changed)
         except SiteError as problem:
             raise SiteError(f"{path}, as it would be changed", problem.faults) from None
         beside.chmod(path.stat().st_mode & 0o7777)

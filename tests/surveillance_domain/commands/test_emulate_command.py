@@ -102,6 +102,7 @@ def test_a_site_file_that_leads_to_them(surveillance: Callable[..., Any], tmp_pa
     assert "# The paper's real experiment" in path.read_text(encoding="utf-8")
     again = surveillance(*words)
     assert (again.code, f"{path} is there already" in again.err) == (2, True)
+    assert again.out == ""  # found before anything was started
     nowhere = surveillance(*words[:-1], tmp_path / "none" / "desk.toml")
-    assert (nowhere.code, "no such file" in nowhere.err) == (2, True)
+    assert (nowhere.code, "there is no folder" in nowhere.err, nowhere.out) == (2, True, "")
     assert [file.name for file in tmp_path.iterdir()] == ["desk.toml"]

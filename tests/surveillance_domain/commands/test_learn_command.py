@@ -37,7 +37,7 @@ def test_learn_writes_a_site_and_a_picture(surveillance: Callable[..., Any], peo
     site.write_text((BUILTIN / "hall.toml").read_text().replace("step_s = 1.0", "step_s = 0.5"))
     answer = surveillance(
         *("learn", people, "--step-s", 0.5, "--cell-m", 1, "--frames-per-s", 20, "--speeds", 2),
-        *("--write", site, "--picture", tmp_path / "out" / "fit.png", "--json"),
+        *("--write", site, "--picture", tmp_path / "fit.png", "--json"),
     )
     assert answer.code == 0, answer.err
     found = answer.json
@@ -53,8 +53,8 @@ def test_learn_writes_a_site_and_a_picture(surveillance: Callable[..., Any], peo
     targets = load_site(site).targets
     assert targets.speeds_mps == (1.0, 2.0)
     assert targets.sigma_direction_deg == pytest.approx(found["sigma_direction_deg"], abs=1e-3)
-    assert (tmp_path / "out" / "fit.png").stat().st_size > 10_000
-    assert found["written"] == [str(tmp_path / "out" / "fit.png"), str(tmp_path / "out" / "fit.svg"), str(site)]
+    assert (tmp_path / "fit.png").stat().st_size > 10_000
+    assert found["written"] == [str(tmp_path / "fit.png"), str(tmp_path / "fit.svg"), str(site)]
 
 
 @pytest.mark.end_to_end

@@ -41,7 +41,7 @@ docs: .venv/.installed-dev ## build the documentation site into out/site; a warn
 bench: .venv/.installed-bench ## measure speed, against the rivals too
 	$(BIN)/python -m benchmarks.run
 
-results: .venv/.installed-$(if $(FULL),dev,core) ## make the pages of results anew: a few runs a point, or with FULL=1 as published (hours)
+results: .venv/.installed-$(if $(FULL),dev,core) ## the pages of results with a few runs a point, in out/results/quick; with FULL=1 as published, in docs (hours)
 	$(BIN)/python benchmarks/results.py $(if $(FULL),--full)
 	$(if $(FULL),$(BIN)/python benchmarks/results_myopia.py)
 	$(if $(FULL),$(BIN)/python benchmarks/results_pictures.py)

@@ -1,9 +1,10 @@
-"""Make the pages of results anew: docs/results.md, docs/results-sensitivity.md and docs/results-people.md.
+"""Make the pages of results anew: results.md, results-sensitivity.md and results-people.md.
 
-``python benchmarks/results.py`` is the quick form, minutes of work; ``--full`` makes the published one. All runs stand
-in CSV files in docs/figures; pages and figures are made from those alone, so ``--only pages`` writes them again without
-simulating. Finished runs are kept in out/results: what was interrupted goes on from there. Remove that folder after a
-change of the program that changes runs.
+``python benchmarks/results.py`` is the quick form, minutes of work, and leaves them in out/results/quick; ``--full``
+makes the published ones, in docs. All runs stand in CSV files in the folder figures beside the pages; pages and figures
+are made from those alone, so ``--only pages`` writes the published ones again without simulating. Finished runs are
+kept in out/results: what was interrupted goes on from there. Remove that folder after a change of the program that
+changes runs.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from surveillance_domain.experiments.kept_runs import KeptRuns
 
 QUICK_RUNS = 4
 PROJECT = Path(__file__).parents[1]
-DOCS = PROJECT / "docs"
+DOCS, QUICK = PROJECT / "docs", PROJECT / "out" / "results" / "quick"
 TRAJECTORIES = PROJECT.parent / "shared" / "data" / "trajectories"
 EXTENT = Extent()
 SECTIONS = (results_myopia_text.section, results_pictures_text.section)
@@ -44,7 +45,8 @@ SECTIONS = (results_myopia_text.section, results_pictures_text.section)
 def main() -> None:
     """Simulate, and write the pages."""
     given = _arguments()
-    figures = given.out / "figures"
+    out = given.out or (DOCS if given.full or given.only == "pages" else QUICK)
+    figures = out / "figures"
     for folder in (figures, given.work):
         folder.mkdir(parents=True, exist_ok=True)
     runs = given.runs or (FULL_RUNS if given.full else QUICK_RUNS)
@@ -65,7 +67,7 @@ def main() -> None:
             print(f"No {' or '.join(map(str, absent))}: recorded people stay as they are", file=sys.stderr)
         else:
             learn_and_watch(SCENES, TRAJECTORIES, figures, given.seed, None if given.full else runs)
-    _write_pages(given.out, figures)
+    _write_pages(out, figures)
 
 
 def _write_pages(out: Path, figures: Path) -> None:
@@ -91,7 +93,9 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--runs", type=int, help="another number of runs")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=processors())
-    parser.add_argument("--out", type=Path, default=DOCS, help="folder for the pages and figures/")
+    parser.add_argument(
+        "--out", type=Path, help="folder for the pages and figures/: docs with --full, else out/results/quick"
+    )
     parser.add_argument("--work", type=Path, default=PROJECT / "out" / "results", help="folder for finished runs")
     parser.add_argument(
         "--only", choices=("comparison", "sensitivity", "people", "pages"), help="one part, the rest as it stands"

@@ -8,15 +8,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
 from results_table import write_rows
 
 from surveillance_domain.commands.progress import progress_bar
 from surveillance_domain.control.factory import COMPARED
-from surveillance_domain.control.loop import Step
-from surveillance_domain.experiments.replay import prepared_replay, replay_run
+from surveillance_domain.experiments.replay import prepared_replay, watched_replay
 from surveillance_domain.site.load import load_site
 from surveillance_domain.site.site import Site
 from surveillance_domain.trajectories.conventions import Conventions
@@ -26,7 +24,6 @@ from surveillance_domain.trajectories.load import load_tracks
 from surveillance_domain.trajectories.staging import Placement, Stage, staged, windows
 from surveillance_domain.trajectories.tracks import Track
 from surveillance_domain.trajectories.transitions import transitions
-from surveillance_domain.world.truth import OUTSIDE
 
 SITES = Path(__file__).parent / "sites"
 PEOPLE, FITS = "people.csv", "people-fits.csv"
@@ -171,20 +168,10 @@ def watch(scene: Scene, fit: MotionFit, controller: str, number: int, piece: Sta
     site = load_site(scene.site)
     name, _, guessed = controller.partition(":")
     replay = prepared_replay(site if guessed else with_motion(site, fit), piece, name, seed, number)
-    present: list[Any] = []
-    seen: list[Any] = []
-
-    def note(step: Step) -> None:
-        present.append(replay.world.truth.cells != OUTSIDE)
-        observed = step.sighting.observations
-        seen.append(np.array([observed[person] is not None for person in replay.surveillance.targets]))
-
-    run = replay_run(replay, note)
-    there, found = np.array(present), np.array(seen)
-    met = np.cumsum(found, axis=0) > 0
-    total = int(there.sum())
-    unmet, lost = (100 * int((there & ~found & mask).sum()) / total for mask in (~met, met))
-    people = len(piece.people)
+    watched = watched_replay(replay)
+    total = int(watched.present.sum())
+    unmet, lost = (100 * int(missed.sum()) / total for missed in (watched.unmet, watched.lost))
+    people, run = len(piece.people), watched.run
     return Watched(
         scene.name, controller, number, people, total, run.percent_obs, unmet, lost, run.restarts, replay.steps, seed
     )

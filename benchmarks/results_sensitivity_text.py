@@ -146,11 +146,12 @@ def _out_of_sight(results: Results) -> str:
     """The variants of MP."""
     names = {"mp": "dropped", "mp-hold": "held where last seen", "mp-dead-reckoning": "dead reckoning"}
     panels = results.with_runs_of(OUT_OF_SIGHT[0])
+    runs = len(results.samples(*panels[0], OUT_OF_SIGHT[0]))
+    results = results.first(runs)
     leads = {(panel, name): results.lead(*panel, name) for panel in panels for name in names}
     kept = [results.lead(*panel, "mp", ours=name).mean for panel in panels for name in OUT_OF_SIGHT]
     sure = sum(lead.verdict > 0 for lead in leads.values())
-    runs = len(results.samples(*panels[0], OUT_OF_SIGHT[0]))
-    said = f"""P minus the variant ({runs} runs). Keeping targets in mind changes MP by {min(kept):+.1f} to
+    said = f"""P minus the variant (the first {runs} runs). Keeping targets in mind changes MP by {min(kept):+.1f} to
     {max(kept):+.1f} points; the interval of P minus the variant lies above zero in {sure} of {len(leads)} cases."""
     rows = [[*panel, *(signed(leads[panel, name]) for name in names)] for panel in panels]
     made = table(["truth", "site", "m", *names.values()], rows, 2)

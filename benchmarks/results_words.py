@@ -46,6 +46,6 @@ def words(parts: Iterable[str]) -> str:
 
 def made_by(runs: int, full: int, seed: int) -> str:
     """The command that makes so many runs, and how many its full form makes."""
-    form, more = ("--full", "") if runs >= full else (f"--runs {runs}", f"; the full form makes {full}")
+    made, form, more = (" FULL=1", "--full", "") if runs >= full else ("", f"--runs {runs}", f"; FULL=1 makes {full}")
     seeded = f" --seed {seed}" if seed else ""
-    return f"Made by `make results` (`python benchmarks/results.py {form}{seeded}`{more})"
+    return f"Made by `make results{made}` (`python benchmarks/results.py {form}{seeded}`{more})"

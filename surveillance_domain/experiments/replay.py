@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Bool
 
 from surveillance_domain.control.base import Controller
 from surveillance_domain.control.factory import Setting
@@ -16,9 +17,10 @@ from surveillance_domain.model.build import Surveillance, motion_parameters, sur
 from surveillance_domain.site.site import Site
 from surveillance_domain.trajectories.staging import Stage
 from surveillance_domain.world.simulated import SimulatedWorld
+from surveillance_domain.world.truth import OUTSIDE
 from surveillance_domain.world.truth_recorded import RecordedTruth
 
-__all__ = ["Comings", "Replay", "comings", "prepared_replay", "replay_run"]
+__all__ = ["Comings", "Replay", "Watched", "comings", "prepared_replay", "replay_run", "watched_replay"]
 
 
 @dataclass(frozen=True)
@@ -65,3 +67,46 @@ def prepared_replay(site: Site, stage: Stage, controller: str, seed: int, run: i
 def replay_run(replay: Replay, each: Callable[[Step], None] | None = None) -> Run:
     """Watch it; ``each`` is told of every step when it is over."""
     return run_of(run_loop(replay.world, replay.controller, replay.steps, each), replay.controller)
+
+
+@dataclass(frozen=True, eq=False)
+class Watched:
+    """A replay that is over, person by person.
+
+    Attributes
+    ----------
+    run : Run
+    present, seen : (steps, people) bool
+        Whether somebody was on the map, and whether a camera saw them.
+    """
+
+    run: Run
+    present: Bool[np.ndarray, "steps people"]
+    seen: Bool[np.ndarray, "steps people"]
+
+    @property
+    def unmet(self) -> Bool[np.ndarray, "steps people"]:
+        """Who is there and has not been seen by anybody so far."""
+        return self.present & ~self._met
+
+    @property
+    def lost(self) -> Bool[np.ndarray, "steps people"]:
+        """Who is there and not seen, but was before."""
+        return self.present & ~self.seen & self._met
+
+    @property
+    def _met(self) -> Bool[np.ndarray, "steps people"]:
+        return np.cumsum(self.seen, axis=0) > 0
+
+
+def watched_replay(replay: Replay) -> Watched:
+    """Watch a replay, and keep who was there and who was seen at every step."""
+    present: list[np.ndarray] = []
+    seen: list[list[bool]] = []
+
+    def note(step: Step) -> None:
+        present.append(replay.world.truth.cells != OUTSIDE)
+        seen.append([step.sighting.observations[person] is not None for person in replay.surveillance.targets])
+
+    run = replay_run(replay, note)
+    return Watched(run, np.array(present), np.array(seen))

@@ -111,7 +111,7 @@ def test_a_controller_that_is_unaware_believes_in_the_site_as_it_is(results: Mod
 @pytest.mark.example
 def test_the_page_says_which_rankings_hold(results: ModuleType) -> None:
     text = flat(results.page(results.Results.of(comparison_rows())))
-    assert "`python benchmarks/results.py --runs 2`; the full form makes 50): 2 runs of 100" in text
+    assert "`python benchmarks/results.py --runs 2`; FULL=1 makes 50): 2 runs of 100" in text
     assert "P above MP: holds in 3 of 3 panels; P − MP is +10.0 to +10.0 points." in text
     assert "P above MSP: holds in 0 of 3 panels, fails in 3 (hall 3)" in text
     assert "P knows 80 % on average, MSP 95 %." in text
@@ -190,14 +190,20 @@ def test_of_people_what_fails_is_said_first(results: ModuleType) -> None:
     fit |= {"sigma_direction_deg": "9.94", "sigma_speed_mps": "0.141", "model": "-1", "on_grid": "-2"}
     fit |= {"random_walk": "-3", "constant_velocity": "-1.5", "faster": "61.2"}
     zara = results.SCENES[1]
-    people = People({**windows, **{("zara01", name): of for (_, name), of in windows.items()}}, [fit], 0)
+    fits = [fit, {**fit, "scene": "zara01", "faster": "2"}]
+    people = People({**windows, **{("zara01", name): of for (_, name), of in windows.items()}}, fits, 0)
     text = flat(results.people_page(people, results.SCENES))
     assert text.index("- **fails**: eth: P above MSP, -2.0 ± 0.0") < text.index("- undecided: eth: P above Stat")
     assert text.index("- undecided: eth: P above Stat, +0.0 ± 0.0") < text.index("- holds: eth: P above MP, +5.0 ± 0.0")
     # 100 target-steps with nobody unmet, 200 with 30 %; 6 restarts in 300.
     assert "| eth | P | 70.0 | 20.0 | 10.0 | 20.0 |" in text
-    assert "In eth P observes 5.0 points less than MSP, in shares of target-steps" in text
-    assert "it leaves 6.0 more unmet and loses 1.0 fewer." in text
+    made_of = "- eth, P − MSP is -2.0 ± 0.0: in shares of target-steps P leaves 6.0 more unmet and loses 1.0 fewer."
+    assert made_of in text
+    assert "- eth, P − Stat is +0.0 ± 0.0: in shares of target-steps P leaves 0.0 fewer unmet and loses" in text
+    assert "2 windows show no difference, and 10 times as many would not" in text
+    assert "eth, P − MP is" not in text
+    assert "of the moves here 61 % are faster than any speed that was learned there" in text
+    assert "sightings contradict the learned motion 20.0 times in a thousand target-steps, the guess 20.0" in text
     assert f"| ETH, seq_eth | {zara.title}, 148 people | 0.20, 1.30 | 9.9 | 0.14 | 61 % | -1.000 | -2.000 |" in text
 
 

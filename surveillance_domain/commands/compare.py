@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from factored_pomdp.commands.answers import COMMAND_LINE, INTERRUPTED, AsJson, InputError, answer
+from factored_pomdp.commands.answers import COMMAND_LINE, INTERRUPTED, AsJson, InputError, answer, side_console
 from surveillance_domain.commands.options import (
     CellNoise,
     DetectionProbability,
@@ -87,13 +87,15 @@ def compare(
     with input_checked():
         kept = None if out is None else KeptRuns(out / "runs.jsonl")
     outcome = compared(plan, runs, workers or processors(), progress, kept, cluster)
+    done = any(outcome.runs.values())
     inputs = {site.name: f"sha256:{site.digest}" for site in found.values()}
     named = {given: site.name for given, site in found.items()}
     content = comparison_content(plan, runs, outcome, named, COMMAND_LINE.get(), inputs)
     shown = comparison_tables(plan, outcome, named)
     if outcome.interrupted:
-        shown.append("Interrupted; the runs that were finished are counted.")
-    if out is not None:
+        counted = "the runs that were finished are counted" if done else "no run was finished, and nothing is written"
+        shown = [*(shown if done else ()), f"Interrupted; {counted}."]
+    if out is not None and done:
         write_comparison(out, plan, outcome, named, content)
         shown.append(f"Written to {out}")
     answer(content, shown, as_json=as_json)
@@ -116,6 +118,9 @@ def compared(
 
     numbers = {case: range(runs) if kept is None else kept.missing(case, range(runs)) for case in plan.cases}
     jobs = [job for case in plan.cases for job in blocks(case, numbers[case])]
+    wanted, left = runs * len(plan.cases), sum(len(job.runs) for job in jobs)
+    if left < wanted:
+        side_console().print(f"{wanted - left:,} of {wanted:,} runs are kept from before; {left:,} are left to do.")
     work = sum(_work(job.case.setup.targets) * len(job.runs) for job in jobs)
     with workers_checked(), input_checked((ClusterError,)), progress_bar("comparing", work, progress) as advance:
 

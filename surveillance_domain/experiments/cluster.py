@@ -6,6 +6,7 @@ again by another.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from typing import Any
@@ -15,6 +16,7 @@ from surveillance_domain.experiments.jobs import Finished, Job, Outcome, do_job,
 __all__ = ["ClusterError", "run_on_cluster"]
 
 _CONNECT_S = 10.0
+_ADDRESS = r"(\w+://)?(\[[0-9a-fA-F:]+\]|[^:/\s]+):\d+"
 
 
 class ClusterError(RuntimeError):
@@ -42,6 +44,8 @@ def run_on_cluster(
         from distributed import Client, as_completed
     except ModuleNotFoundError:
         raise ClusterError("a cluster needs Dask: pip install 'factored-pomdp[cluster]'") from None
+    if not re.fullmatch(_ADDRESS, address):
+        raise ClusterError(f"no address of a scheduler: found {address!r}, expected such as tcp://10.0.0.1:8786")
     try:
         client = Client(address, timeout=_CONNECT_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as problem:

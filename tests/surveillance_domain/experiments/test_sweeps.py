@@ -70,6 +70,8 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path: Path) -> None:
     before = path.read_text().splitlines()
     assert 0 < len(before) < 40
     again = subprocess.run(halved, capture_output=True, check=True)
+    assert b"of 40 runs are kept from before" in again.stderr
+    assert b"runs are kept from before" not in whole.stderr
     after = path.read_text().splitlines()
     assert after[: len(before) - 1] == before[:-1]
     runs = [(line["key"], line["run"]) for line in map(json.loads, filter(_is_whole, after))]
@@ -139,3 +141,10 @@ def test_no_scheduler_is_one_message(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("surveillance_domain.experiments.cluster._CONNECT_S", 1.0)
     with pytest.raises(ClusterError, match=r"no scheduler at tcp://127\.0\.0\.1:1"):
         run_on_cluster(blocks(CASE, range(1)), "tcp://127.0.0.1:1")
+
+
+@pytest.mark.example
+@pytest.mark.parametrize("address", ["nonsense", "tcp://", "tcp://host", "http//x:1"])
+def test_what_is_no_address_is_refused_before_anybody_is_asked(address: str) -> None:
+    with pytest.raises(ClusterError, match="no address of a scheduler: found"):
+        run_on_cluster(blocks(CASE, range(1)), address)

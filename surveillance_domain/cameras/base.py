@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+if TYPE_CHECKING:
+    from surveillance_domain.cameras.witness import Witness
 
 __all__ = ["Camera", "Health", "HealthState", "Limits", "Move", "Outcome", "Picture", "Position", "ZOOM_TOLERANCE"]
 
@@ -90,7 +93,9 @@ class Move:
     because : str
         Why it did not reach, without the camera's name; empty if it did.
     fault : str
-        The class of the error that made it unreachable; empty if it was not.
+        The class of the error that made it unreachable, or too slow to be watched; empty if none did.
+    commanded : bool
+        ``False``: nothing was sent, for somebody else has the camera.
     """
 
     outcome: Outcome
@@ -98,6 +103,7 @@ class Move:
     seconds: float
     because: str = ""
     fault: str = ""
+    commanded: bool = True
 
 
 @dataclass(frozen=True)
@@ -168,6 +174,9 @@ class Camera(Protocol):
     def health(self) -> Health:
         """How it is, without asking it."""
 
+    def watched_by(self, witness: Witness) -> None:
+        """From now on tell a witness of every position and every move; once it yields, no move is sent."""
+
     def start(self, budget_s: float) -> Limits:
         """Get to know the camera and refuse presets that it cannot reach, all of them by name."""
 
@@ -175,7 +184,10 @@ class Camera(Protocol):
         """Where it looks now."""
 
     def move(self, target: Position, budget_s: float) -> Move:
-        """Turn to a position and wait until it is there and still, no longer than the budget."""
+        """Turn to a position and wait until it is there and still, no longer than the budget.
+
+        While the witness yields it is not turned, nor turned further: `Outcome.STALLED`, because of `witness.MOVED`.
+        """
 
     def picture(self, budget_s: float) -> Picture:
         """What it sees now."""

@@ -11,6 +11,7 @@ __all__ = [
     "OutsideLimits",
     "Refused",
     "TooLate",
+    "TooSlow",
     "Unreachable",
     "Untrusted",
     "without_name",
@@ -27,6 +28,10 @@ class Unreachable(CameraError):
 
 class TooLate(Unreachable):
     """No answer, or no whole one, in the time that there was for it."""
+
+
+class TooSlow(TooLate):
+    """It answers, as it did just before, but takes longer for it than there was time."""
 
 
 class CameraAway(Unreachable):

@@ -8,6 +8,8 @@ _MENDS = {
     "Unreachable": "is it switched on and on this network, and are address and port in url those of its web page?",
     "TooLate": "is it switched on, and address and port in url right? else camera or network are overloaded: a longer "
     "step_s, or a smaller image, gives its answers time",
+    "TooSlow": "it answers, but too late: a longer step_s gives its answers time; a smaller image, fewer who look "
+    "through it, or a better network make them quicker",
     "LoginRefused": "put the password of username into the environment variable that password_env names; after several "
     "wrong tries cameras lock a user out for some minutes",
     "Refused": "is this the camera's address, is channel right, and may username control pan, tilt and zoom?",

@@ -1,7 +1,8 @@
 """Turning a camera to a position: asked once, then watched until it is there and still, or is not going to be.
 
 Only absolute moves are sent, so sending one twice does no harm. All the same, when it is not known whether one came
-through, the position is read before it is sent again.
+through, the position is read before it is sent again. Nothing is sent, or sent again, once a position read back shows
+that somebody else moves the camera.
 """
 
 from __future__ import annotations
@@ -14,9 +15,10 @@ import numpy as np
 
 from surveillance_domain.cameras.base import Move, Outcome, Position
 from surveillance_domain.cameras.clock import Clock
-from surveillance_domain.cameras.errors import CameraAway, CameraError, Unreachable
+from surveillance_domain.cameras.errors import CameraAway, CameraError, TooSlow, Unreachable
 from surveillance_domain.cameras.retry import pauses_s
 from surveillance_domain.cameras.steadiness import Steadiness
+from surveillance_domain.cameras.witness import MOVED, Witness
 
 __all__ = ["Motors", "Pace", "drive"]
 
@@ -24,6 +26,8 @@ _SHORTEST_POLL_S = 0.02
 _POLL_S = 0.1
 _LEAST_STALL_S = 1.0
 _ROUNDING_S = 1e-6
+_SLOW_SHARE = 0.5
+"""Of the time for a move: an answer that takes longer leaves none to watch it."""
 
 
 @runtime_checkable
@@ -31,12 +35,13 @@ class Motors(Protocol):
     """What a driver must be able to do."""
 
     steadiness: Steadiness
+    witness: Witness
 
     def read(self, until: float) -> Position:
-        """The position now, told to `steadiness`; tried again if need be."""
+        """The position now, told to `steadiness` and `witness`; tried again if need be."""
 
     def send(self, target: Position, until: float) -> None:
-        """Ask for a move, once."""
+        """Ask for a move, once, and tell `witness`."""
 
 
 @dataclass(frozen=True)
@@ -75,9 +80,18 @@ def drive(motors: Motors, target: Position, pace: Pace, clock: Clock, rng: np.ra
     trip = _Trip(motors, target, pace, clock, rng, until)
     try:
         outcome, because = trip.go()
+    except _Taken:
+        return Move(Outcome.STALLED, trip.last, clock.now() - start, MOVED, commanded=trip.commanded)
     except CameraError as error:
         return Move(Outcome.UNREACHABLE, trip.last, clock.now() - start, str(error), type(error).__name__)
+    if outcome is Outcome.TIMED_OUT and trip.slowest_s >= _SLOW_SHARE * (until - start):
+        because = f"it answers in {trip.slowest_s:.1f} s, where {until - start:.1f} s were left for the move"
+        return Move(outcome, trip.last, clock.now() - start, because, TooSlow.__name__)
     return Move(outcome, trip.last, clock.now() - start, because)
+
+
+class _Taken(Exception):
+    """Somebody else has the camera."""
 
 
 class _Trip:
@@ -89,11 +103,16 @@ class _Trip:
         self._motors, self._target, self._pace = motors, target, pace
         self._clock, self._rng, self._until = clock, rng, until
         self.last: Position | None = None
+        self.slowest_s = 0.0
+        self.commanded = False
 
     def go(self) -> tuple[Outcome, str]:
         """Send and watch; what became of it, and why."""
         here = self._read()
-        if not here.agrees(self._target, self._pace.tolerance_deg):
+        if here.agrees(self._target, self._pace.tolerance_deg):
+            self._motors.witness.sent(self._target, self._clock.now())
+            self._motors.witness.accepted(self._target)
+        else:
             self._send(here)
         sent = self._clock.now()
         while True:
@@ -106,15 +125,22 @@ class _Trip:
             wait_s = self._pace.settle_s - steady_s if there else self._pace.travel_s(here, self._target) or _POLL_S
             self._clock.sleep(min(max(wait_s, _SHORTEST_POLL_S), self._until - self._clock.now()))
             if self._clock.now() >= self._until:
+                if there:
+                    return Outcome.TIMED_OUT, f"it was at {_shown(here)}, but not still for long enough"
                 return Outcome.TIMED_OUT, f"it was at {_shown(here)} on its way to {_shown(self._target)}"
             here = self._read()
 
     def _read(self) -> Position:
+        asked = self._clock.now()
         self.last = self._motors.read(self._until)
+        self.slowest_s = max(self.slowest_s, self._clock.now() - asked)
+        if self._motors.witness.yields:
+            raise _Taken
         return self.last
 
     def _send(self, here: Position) -> None:
         """Ask for the move; after a failure only if the camera does not move for all that."""
+        self.commanded = True
         for pause_s in pauses_s(self._rng):
             try:
                 return self._motors.send(self._target, self._until)

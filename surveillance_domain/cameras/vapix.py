@@ -20,6 +20,8 @@ from surveillance_domain.cameras.errors import (
     CameraError,
     OutsideLimits,
     Refused,
+    TooLate,
+    TooSlow,
     Unreachable,
     without_name,
 )
@@ -29,6 +31,7 @@ from surveillance_domain.cameras.pictures import jpeg_size
 from surveillance_domain.cameras.rests import Breaker
 from surveillance_domain.cameras.retry import with_retries
 from surveillance_domain.cameras.steadiness import Steadiness
+from surveillance_domain.cameras.witness import Witness
 from surveillance_domain.site.camera import Camera as CameraDescription
 
 __all__ = ["VapixCamera"]
@@ -37,6 +40,8 @@ T = TypeVar("T")
 
 _PTZ = "/axis-cgi/com/ptz.cgi"
 _MOST_PICTURE_BYTES = 16_000_000
+_SLOW_S = 0.1
+"""An answer that takes no longer is not called slow."""
 
 
 class VapixCamera:
@@ -65,6 +70,7 @@ class VapixCamera:
     ) -> None:
         self.description = description
         self.steadiness = Steadiness(description.tolerance_deg / 2)
+        self.witness = Witness()
         self.limits: Limits | None = None
         self.picture_size: tuple[int, int] | None = None
         self._exchange, self._clock, self._rng, self._compression = exchange, clock, rng, compression
@@ -73,6 +79,7 @@ class VapixCamera:
         self._pace = Pace(description.tolerance_deg, description.settle_s, self._travel_s)
         self._lock = threading.RLock()
         self._failures, self._because = 0, ""
+        self._answer_s: float | None = None
 
     def __repr__(self) -> str:
         return f"VapixCamera({self.name!r})"
@@ -89,6 +96,9 @@ class VapixCamera:
         return Health(
             HealthState.AWAY if away else HealthState.READY, self._failures, self._breaker.until, self._because
         )
+
+    def watched_by(self, witness: Witness) -> None:
+        self.witness = witness
 
     def start(self, budget_s: float) -> Limits:
         """Read the limits, refuse presets outside, and find out in which size pictures come.
@@ -183,8 +193,11 @@ class VapixCamera:
 
     def read(self, until: float) -> Position:
         """The position now; see `position`."""
+        asked = self._clock.now()
         found = self._query("position", until, answers.position)
-        self.steadiness.read(found, self._clock.now())
+        now = self._clock.now()
+        self.steadiness.read(found, now)
+        self.witness.read(found, asked, now)
         return found
 
     def send(self, target: Position, until: float) -> None:
@@ -193,10 +206,12 @@ class VapixCamera:
         if target.zoom is not None:
             query["zoom"] = f"{target.zoom:.0f}"
         query["speed"] = "100"
-        answer = self._counted(lambda: self._exchange.get(_PTZ, query, until), until)
+        self.witness.sent(target, self._clock.now())
+        answer = self._counted(lambda: self._exchanged(_PTZ, query, until), until)
         reason = answers.refusal(answer.text)
         if reason is not None:
             raise Refused(f"{self.name}: the camera refuses to move: {reason}")
+        self.witness.accepted(target)
 
     # ------------------------------------------------------------------------------------------------------ asking
 
@@ -234,19 +249,35 @@ class VapixCamera:
 
     def _ask(self, path: str, query: dict[str, str], until: float, most_bytes: int = 1_000_000) -> Answer:
         def attempt() -> Answer:
-            return self._exchange.get(path, query, until, most_bytes)
+            return self._exchanged(path, query, until, most_bytes)
 
         return self._counted(lambda: with_retries(attempt, self._clock, self._rng, until), until)
+
+    def _exchanged(self, path: str, query: dict[str, str], until: float, most_bytes: int = 1_000_000) -> Answer:
+        """Ask once; a camera that answers, but takes longer than there is time, is told from one that is silent."""
+        asked = self._clock.now()
+        try:
+            answer = self._exchange.get(path, query, until, most_bytes)
+        except TooLate:
+            usual_s, left_s = self._answer_s or 0.0, max(until - asked, 0.0)
+            if self._clock.now() - asked >= usual_s:
+                self._answer_s = None
+            if usual_s <= max(left_s, _SLOW_S):
+                raise
+        else:
+            self._answer_s = self._clock.now() - asked
+            return answer
+        raise TooSlow(f"{self.name}: it answers in {usual_s:.1f} s, where {left_s:.1f} s were left")
 
     def _counted(self, ask: Callable[[], Answer], until: float) -> Answer:
         """Ask, if the camera may be asked: while it rests it may not, and then one question decides."""
         for rest in (self._exchange.lockout, self._breaker):
             if rest.until is not None:
                 left = rest.until - self._clock.now()
-                raise CameraAway(f"{self.name}: left alone for another {left:.0f} s; {self._because}")
+                raise CameraAway(f"{self.name}: left alone for another {max(1, round(left))} s; {self._because}")
         try:
             if self._breaker.half_open:
-                self._exchange.get(_PTZ, {"query": "position", "camera": str(self.description.channel)}, until)
+                self._exchanged(_PTZ, {"query": "position", "camera": str(self.description.channel)}, until)
                 self._breaker.succeeded()
             answer = ask()
         except CameraError as error:
@@ -258,6 +289,7 @@ class VapixCamera:
     def _fail(self, error: CameraError) -> None:
         """Count a failure; a camera that did not answer may have rebooted, so what was known of it is not any more."""
         self._failures, self._because = self._failures + 1, without_name(error, self.name)
+        self.witness.failed()
         if isinstance(error, Unreachable):
             self._breaker.failed()
             self.limits = None

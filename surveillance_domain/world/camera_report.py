@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from surveillance_domain.cameras.base import Health, Move, Outcome, Position
-from surveillance_domain.cameras.errors import CameraError, without_name
+from surveillance_domain.cameras.errors import CameraAway, CameraError, without_name
+from surveillance_domain.cameras.witness import MOVED
 
 __all__ = ["CameraReport"]
 
@@ -51,6 +52,9 @@ class CameraReport:
         A camera that says it stands where it stood, though it took the command, may be one whose read-back has frozen:
         it is not believed.
         """
+        if move is not None and not move.commanded:
+            self.move_s = move.seconds
+            return
         self.sent = preset
         if move is None:
             self.outcome, self.arrived = str(Outcome.TIMED_OUT), False
@@ -59,6 +63,16 @@ class CameraReport:
         self.because, self.fault = move.because, move.fault
         sent_off = move.outcome is Outcome.TIMED_OUT or (move.outcome is Outcome.STALLED and move.position is not None)
         self.arrived = not sent_off
+
+    def looked(self, position: Position) -> None:
+        """Note where it looks; one that answers again in the very step is no longer left alone."""
+        self.position = position
+        if self.fault == CameraAway.__name__:
+            self.because = "not turned in this step: it had been left alone after failures, and answers again"
+
+    def moved_by_others(self) -> None:
+        """Note that somebody else moves it, which explains what may have gone wrong meanwhile."""
+        self.because, self.fault = MOVED, ""
 
     def failed(self, problem: CameraError) -> None:
         """Note an error; the first one of a step is kept."""

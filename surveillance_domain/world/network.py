@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, TypeVar
 
-from surveillance_domain.cameras.base import Camera, Move, Outcome, Position
+from surveillance_domain.cameras.base import Camera, Move, Position
 from surveillance_domain.cameras.clock import Clock
 from surveillance_domain.cameras.errors import CameraError, TooLate
 from surveillance_domain.model.reachability import longest_move_s
@@ -28,7 +28,7 @@ from surveillance_domain.world.base import Sighting
 from surveillance_domain.world.camera_report import CameraReport
 from surveillance_domain.world.eyes import Eyes, Look
 from surveillance_domain.world.parking import Parked, sent_home
-from surveillance_domain.world.yielding import Yielding, taken
+from surveillance_domain.world.yielding import Yielding, taken, watching
 
 __all__ = ["CameraReport", "NetworkWorld", "look_budget_s"]
 
@@ -61,6 +61,7 @@ class _Node:
 
     def __post_init__(self) -> None:
         self.report = CameraReport(self.description.name, self.camera.health)
+        self.camera.watched_by(self.yielding)
 
     @property
     def free(self) -> bool:
@@ -70,21 +71,18 @@ class _Node:
     def sent(self, preset: Preset, move: Move | None) -> None:
         """What came of a move; ``None``: it is not over."""
         self.report.moved(preset.name, move)
-        if move is not None and move.outcome is Outcome.REACHED:
-            self.yielding.left_at(_position(preset))
-        elif move is None or self.report.arrived:
-            self.yielding.left_at(None)
-        else:
-            self.yielding.sent_to(_position(preset))
+        self._told_of_others()
 
-    def found(self, look: Look | None, now_s: float) -> None:
+    def found(self, look: Look | None) -> None:
         """What came of a look; ``None``: nothing."""
         self.report.health = self.camera.health
-        if look is None:
-            self.yielding.left_at(None)
-        else:
-            self.report.position = look.position
-            self.yielding.found_at(look.position, now_s)
+        if look is not None:
+            self.report.looked(look.position)
+        self._told_of_others()
+
+    def _told_of_others(self) -> None:
+        if self.yielding.yields:
+            self.report.moved_by_others()
 
     def view(self, look: Look | None) -> str | None:
         """The preset at which it looked, if it is one and it was still."""
@@ -131,7 +129,7 @@ class NetworkWorld:
         self._clock, self._eyes, self._held, self._moves = clock, eyes, held, moves
         self._step_s, self._look_s, operation = site.control.step_s, look_budget_s(site), site.operation
         self._nodes = {
-            description.name: _Node(description, camera, Yielding(description.tolerance_deg, operation.yield_s))
+            description.name: _Node(description, camera, watching(description, operation.yield_s))
             for description, camera in zip(site.cameras, cameras, strict=True)
         }
         self._pool = ThreadPoolExecutor(len(self._nodes), thread_name_prefix="camera")
@@ -171,7 +169,7 @@ class NetworkWorld:
             if name in kept:
                 node.report.because = kept[name]
                 if not node.yielding.yields:
-                    node.yielding.left_at(None)
+                    node.yielding.let_go()
             elif self._moves and name in presets:
                 going[name] = _preset(node.description, presets[name])
         tasks = {name: partial(self._turn, self._nodes[name], preset, self._due) for name, preset in going.items()}
@@ -195,7 +193,7 @@ class NetworkWorld:
             else:
                 self._nodes[name].report.failed(look)
         for name, node in self._nodes.items():
-            node.found(looks.get(name), looked)
+            node.found(looks.get(name))
         views = {name: node.view(looks.get(name)) for name, node in self._nodes.items()}
         found = self._eyes.seen(looks, views)
         return Sighting(

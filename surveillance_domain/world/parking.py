@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -10,9 +11,10 @@ from functools import partial
 from surveillance_domain.cameras.base import Camera, Outcome, Position
 from surveillance_domain.cameras.clock import Clock
 from surveillance_domain.cameras.errors import CameraError
+from surveillance_domain.cameras.witness import MOVED
 from surveillance_domain.site.camera import Camera as CameraDescription
 from surveillance_domain.site.site import Site
-from surveillance_domain.world.yielding import HELD
+from surveillance_domain.world.yielding import HELD, watching
 
 __all__ = ["Parked", "parked", "sent_home"]
 
@@ -53,19 +55,22 @@ def _park(camera: Camera, description: CameraDescription, clock: Clock, held: Co
     try:
         if description.home is not None and not _comes_to_rest(camera, description, clock):
             return Parked(True, "left alone: somebody else turns it")
+        camera.watched_by(watching(description, yield_s=math.inf))
     except CameraError as problem:
         return Parked(False, str(problem))
     return sent_home(camera, description)
 
 
 def sent_home(camera: Camera, description: CameraDescription) -> Parked:
-    """Send a camera to its ``home`` preset, if it has one, within its ``move_deadline_s``."""
+    """Send a camera to its ``home`` preset, if it has one and nobody else moves it, within its ``move_deadline_s``."""
     homes = [Position(one.pan, one.tilt, one.zoom) for one in description.presets if one.name == description.home]
     if not homes:
         return Parked(True, "has no home preset")
     move = camera.move(homes[0], description.move_deadline_s)
     if move.outcome is Outcome.REACHED:
         return Parked(True, f'at "{description.home}"')
+    if move.because == MOVED:
+        return Parked(True, f"left alone: {MOVED}")
     return Parked(False, f"{move.outcome}: {move.because}")
 
 

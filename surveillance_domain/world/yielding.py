@@ -1,84 +1,192 @@
-"""People come first: a camera that somebody else moves, or holds, gets no commands."""
+"""People come first: a camera that somebody else moves, or holds, gets no commands.
+
+Every position that the camera tells and every move that is asked of it is followed. A position is ours if the camera
+stands where it stood, or can be on the way to somewhere it was sent; any other is evidence of somebody else. Failures
+take nothing from that: a command of which nobody knows whether it came through may take effect for half a minute more.
+Only after a silence in which the camera may have rebooted nothing is expected of it until it stands still again.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+import threading
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from surveillance_domain.cameras.base import Position
+from surveillance_domain.cameras.witness import MOVED, Witness
+from surveillance_domain.site.camera import Camera as CameraDescription
+from surveillance_domain.world.way import Speeds, along, places_on_the_way
 
-__all__ = ["HELD", "MOVED", "Yielding", "taken"]
+__all__ = ["HELD", "MOVED", "Yielding", "taken", "watching"]
 
 HELD = "held"
-MOVED = "moved by somebody else"
-"""Why a camera gets no commands."""
+"""Why a camera gets no commands; the other reason is `MOVED`."""
 
-_HALF_TURN_DEG = 180.0
+_BOOT_S = 10.0
+"""No camera is back from a reboot in less."""
+_LATE_S = 30.0
+"""For so long a command whose answer was lost may still take effect."""
+_LAG_S = 0.3
+"""A position told may be that much older than the question."""
+_RENEWED_S = 60.0
+"""Where it stands is taken anew that often: read-backs drift by degrees in hours."""
+_LEAST_STOP_S = 0.5
+_MOST_GOALS = 8
+_BESIDE = 2.0
+"""Tolerances by which a camera that turns may be beside its way."""
 
 
-@dataclass(frozen=True)
-class _Way:
-    """Where a camera can be that was sent from one position to another, the same for one that was left standing."""
-
-    start: Position
+@dataclass
+class _Asked:
     goal: Position
-
-    def holds(self, position: Position, tolerance_deg: float) -> bool:
-        if any(position.agrees(end, tolerance_deg) for end in (self.start, self.goal)):
-            return True
-        if self.start == self.goal:
-            return False
-        if abs(self.goal.pan - self.start.pan) > _HALF_TURN_DEG:
-            return True  # a camera without end stops may go round the other way
-        return all(
-            min(start, goal) - tolerance_deg <= value <= max(start, goal) + tolerance_deg
-            for value, start, goal in (
-                (position.pan, self.start.pan, self.goal.pan),
-                (position.tilt, self.start.tilt, self.goal.tilt),
-            )
-        )
+    at_s: float
+    accepted: bool = False
 
 
-class Yielding:
+class Yielding(Witness):
     """Watches one camera for moves that nobody here asked for.
 
     Parameters
     ----------
     tolerance_deg : float
-        How far a camera may be from where it was left, and still count as there.
+        How far a camera may be from where it stood, and still count as there.
     yield_s : float
         How long it must be still, once it moved by itself, before it is commanded again.
+    speeds : (float or None, float or None, float or None)
+        Of pan, tilt and zoom, as far as they are known.
+    settle_s : float
+        How long it takes to come to rest.
     """
 
-    def __init__(self, tolerance_deg: float, yield_s: float) -> None:
-        self._tolerance_deg, self._yield_s = tolerance_deg, yield_s
-        self._way: _Way | None = None
-        self._still_since: float | None = None
+    def __init__(
+        self, tolerance_deg: float, yield_s: float, speeds: Speeds = (None, None, None), settle_s: float = 0.0
+    ) -> None:
+        self._tolerance_deg, self._yield_s, self._speeds = tolerance_deg, yield_s, speeds
+        self._stop_s = max(_LEAST_STOP_S, 2 * settle_s)
+        self._lock = threading.Lock()
+        self._place: Position | None = None
+        self._since, self._under_way = 0.0, False
+        self._asked: list[_Asked] = []
         self._last: Position | None = None
+        self._last_s = 0.0
+        self._failed, self._rebooted = False, False
+        self._still_since: float | None = None
 
     @property
     def yields(self) -> bool:
         """Whether somebody else has it."""
         return self._still_since is not None
 
-    def left_at(self, position: Position | None) -> None:
-        """It reached where it was sent; ``None``: it failed or is held, and may be anywhere."""
-        self._way = None if position is None else _Way(position, position)
+    def let_go(self) -> None:
+        """It is held by people: until it is commanded again, nothing is expected of it."""
+        with self._lock:
+            self._place, self._asked = None, []
 
-    def sent_to(self, goal: Position) -> None:
-        """It was sent somewhere and has not arrived: it is on its way from where it was found last, or back there."""
-        self._way = None if self._last is None else _Way(self._last, goal)
+    def sent(self, goal: Position, now_s: float) -> None:
+        with self._lock:
+            if self._place is None and not self._rebooted and self._last is not None:
+                self._stands(self._last, now_s)
+            kept = [one for one in self._asked if not one.goal.agrees(goal, self._tolerance_deg)]
+            self._asked = [*kept[1 - _MOST_GOALS :], _Asked(goal, now_s)]
 
-    def found_at(self, position: Position, now_s: float) -> None:
-        """Where it was found to look."""
-        if self._still_since is not None:
-            if self._last is None or not position.agrees(self._last, self._tolerance_deg):
-                self._still_since = now_s
-            elif now_s - self._still_since >= self._yield_s:
-                self._still_since = None
-        elif self._way is not None and not self._way.holds(position, self._tolerance_deg):
-            self._still_since, self._way = now_s, None
-        self._last = position
+    def accepted(self, goal: Position) -> None:
+        with self._lock:
+            for one in self._asked:
+                one.accepted = one.accepted or one.goal == goal
+            if self._last is not None and self._last.agrees(goal, self._tolerance_deg):
+                self._arrived(self._last, self._last_s)
+
+    def failed(self) -> None:
+        self._failed = True
+
+    def read(self, position: Position, asked_s: float, now_s: float) -> None:
+        with self._lock:
+            if self._failed and now_s - self._last_s >= _BOOT_S:
+                self._place, self._asked, self._rebooted = None, [], True
+            self._failed = False
+            if self._still_since is not None:
+                self._wait(position, self._still_since, now_s)
+            elif not self._ours(position, asked_s, now_s):
+                self._still_since, self._place, self._asked = now_s, None, []
+            self._last, self._last_s = position, now_s
+
+    def _wait(self, position: Position, still_since: float, now_s: float) -> None:
+        """Somebody has it; once it has been still for long enough, nobody has."""
+        if self._last is None or not position.agrees(self._last, self._tolerance_deg):
+            self._still_since = now_s
+        elif now_s - still_since >= self._yield_s:
+            self._still_since = None
+            self._stands(position, now_s)
+
+    def _ours(self, position: Position, asked_s: float, now_s: float) -> bool:
+        """Whether a position is explained by what was asked; where it stands is taken from it then."""
+        self._asked = [one for one in self._asked if one.accepted or now_s - one.at_s <= _LATE_S]
+        if self._place is None:
+            if self._asked and not self._arrived(position, now_s):
+                self._settles(position, now_s)
+            return True
+        if self._arrived(position, now_s):
+            return True
+        if position.agrees(self._place, self._tolerance_deg):
+            if self._stopped_short(asked_s):
+                return False
+            if not self._under_way and now_s - self._since >= _RENEWED_S:
+                self._stands(position, now_s)
+            return True
+        for number in self._goals_in_reach(position, now_s):
+            self._stands(position, now_s, under_way=True)
+            self._asked = [one for n, one in enumerate(self._asked) if n >= number or not one.accepted]
+            return True
+        return False
+
+    def _arrived(self, position: Position, now_s: float) -> bool:
+        """Whether it is where it was sent; what was asked before that is done then."""
+        for number, one in reversed(list(enumerate(self._asked))):
+            if position.agrees(one.goal, self._tolerance_deg):
+                self._stands(one.goal, now_s)
+                self._asked = [
+                    other for n, other in enumerate(self._asked) if n != number and (n > number or not other.accepted)
+                ]
+                return True
+        return False
+
+    def _settles(self, position: Position, now_s: float) -> None:
+        """Nothing is known of where it should be: it is believed where it stands."""
+        if self._last is not None and position.agrees(self._last, self._tolerance_deg):
+            self._stands(position, now_s)
+
+    def _stands(self, position: Position, now_s: float, under_way: bool = False) -> None:
+        self._place, self._since, self._under_way, self._rebooted = position, now_s, under_way, False
+
+    def _stopped_short(self, asked_s: float) -> bool:
+        """Whether it set off by our command and stands still before its goal."""
+        certain = bool(self._asked) and all(one.accepted for one in self._asked)
+        return self._under_way and certain and asked_s - self._since >= self._stop_s
+
+    def _goals_in_reach(self, position: Position, now_s: float) -> Iterator[int]:
+        """The numbers of the goals on the way to which it can be.
+
+        It may set out from where it stood, from a goal that its read-back did not show, or, sent elsewhere while it was
+        under way, from a place on that way.
+        """
+        goals = [one.goal for one in self._asked]
+        beside = _BESIDE * self._tolerance_deg
+        starts = [self._place, *goals] if self._place is not None else goals
+        for number, goal in enumerate(goals):
+            if any(along(start, goal, position, self._speeds, beside) for start in starts[: number + 1]):
+                yield number
+        within_s = now_s - self._last_s + _LAG_S
+        for first, earlier in enumerate(goals):
+            for number in range(first + 1, len(goals)):
+                for turn in places_on_the_way(starts[0], earlier, self._speeds, within_s):
+                    if along(turn, goals[number], position, self._speeds, beside):
+                        yield number
+
+
+def watching(camera: CameraDescription, yield_s: float) -> Yielding:
+    """Who watches a camera, by what the site says of it."""
+    speeds = (camera.pan_deg_per_s, camera.tilt_deg_per_s, camera.zoom_per_s)
+    return Yielding(camera.tolerance_deg, yield_s, speeds, camera.settle_s)
 
 
 def taken(watched: Mapping[str, Yielding], held: Collection[str]) -> dict[str, str]:

@@ -11,6 +11,7 @@ from surveillance_domain.cameras.base import Limits, Outcome, Position
 from surveillance_domain.cameras.errors import Refused, Unreachable
 from surveillance_domain.cameras.moving import Pace, drive
 from surveillance_domain.cameras.steadiness import Steadiness
+from surveillance_domain.cameras.witness import Witness
 from surveillance_domain.emulation.virtual_clock import VirtualClock
 from tests.emulated_cameras import emulated_pair
 
@@ -167,7 +168,7 @@ class Scripted:
     """Motors that lose answers: whether a command came through, and what the sender is told of it, are given."""
 
     def __init__(self, clock: VirtualClock, arrives: list[bool], errors: list[Exception | None]) -> None:
-        self.steadiness = Steadiness(0.1)
+        self.steadiness, self.witness = Steadiness(0.1), Witness()
         self.clock, self.arrives, self.errors = clock, arrives, errors
         self.place, self.asked, self.said = Position(0.0, 0.0), 0, []
 

@@ -10,94 +10,204 @@ from surveillance_domain.cameras.base import Position
 from surveillance_domain.world.yielding import HELD, MOVED, Yielding, taken
 
 LEFT, RIGHT, AWAY = Position(-40.0, -30.0, 1.0), Position(40.0, -30.0, 1.0), Position(0.0, -60.0, 1.0)
+SPEEDS = (100.0, 100.0, None)
 
 
 def watched(yield_s: float = 60.0) -> Yielding:
-    one = Yielding(0.2, yield_s)
-    one.left_at(LEFT)
-    one.found_at(LEFT, 0.0)
+    """Of a camera that stands at its left preset, which it was sent to."""
+    one = Yielding(0.2, yield_s, SPEEDS)
+    one.read(LEFT, 0.0, 0.0)
+    one.sent(LEFT, 0.0)
+    one.accepted(LEFT)
     return one
+
+
+def told(one: Yielding, position: Position, now_s: float) -> bool:
+    """Whether it yields after a position that came at once."""
+    one.read(position, now_s, now_s)
+    return one.yields
+
+
+def sent(one: Yielding, goal: Position, now_s: float, accepted: bool = True) -> None:
+    one.sent(goal, now_s)
+    if accepted:
+        one.accepted(goal)
+    else:
+        one.failed()
 
 
 @pytest.mark.example
 def test_a_camera_where_it_was_left_is_ours() -> None:
-    one = watched()
-    one.found_at(Position(-40.15, -30.0, 1.0), 1.0)
-    assert not one.yields
+    assert not told(watched(), Position(-40.15, -30.0, 1.0), 1.0)
 
 
 @pytest.mark.example
 def test_one_that_moved_by_itself_is_left_alone_until_it_has_been_still() -> None:
     one = watched(yield_s=60.0)
-    one.found_at(AWAY, 10.0)
-    assert one.yields
-    one.found_at(RIGHT, 20.0)  # and moves on
-    one.found_at(RIGHT, 79.9)
-    assert one.yields
-    one.found_at(RIGHT, 80.0)
-    assert not one.yields
-    one.found_at(AWAY, 90.0)  # not commanded since, so nobody can say that it was not us
-    assert not one.yields
-    one.left_at(AWAY)
-    one.found_at(LEFT, 100.0)
-    assert one.yields
+    assert told(one, AWAY, 10.0)
+    assert told(one, RIGHT, 20.0)  # and moves on
+    assert told(one, RIGHT, 79.9)
+    assert not told(one, RIGHT, 80.0)
+    assert told(one, AWAY, 90.0)  # and again
 
 
 @pytest.mark.example
 def test_slow_creeping_from_where_it_was_left_is_noticed() -> None:
     one = watched()
-    for second in range(1, 4):
-        one.found_at(Position(-40.0 + 0.09 * second, -30.0, 1.0), float(second))
-    assert one.yields
+    assert [told(one, Position(-40.0 + 0.09 * second, -30.0, 1.0), float(second)) for second in (1, 2, 3)][-1]
+
+
+@pytest.mark.example
+def test_read_backs_that_drift_by_degrees_in_hours_are_ours() -> None:
+    one = watched()
+    assert not any(told(one, Position(-40.0 + minute * 0.05, -30.0, 1.0), 60.0 * minute) for minute in range(1, 121))
 
 
 @pytest.mark.example
 def test_on_its_way_it_may_be_anywhere_between_and_nowhere_else() -> None:
-    for found, yields in ((Position(3.0, -30.0, 1.0), False), (LEFT, False), (RIGHT, False), (AWAY, True)):
+    zoomed = Position(-40.0, -30.0, 4000.0)
+    for found, yields in (
+        (Position(3.0, -30.0, 1.0), False),
+        (LEFT, False),
+        (RIGHT, False),
+        (AWAY, True),
+        (zoomed, True),
+    ):
         one = watched()
-        one.sent_to(RIGHT)
-        one.found_at(found, 1.5)
-        assert one.yields is yields
+        sent(one, RIGHT, 1.0)
+        assert told(one, found, 1.5) is yields
 
 
 @pytest.mark.example
-def test_nothing_is_said_of_a_camera_that_failed() -> None:
+def test_away_from_its_goal_it_is_somebody_elses() -> None:
     one = watched()
-    one.left_at(None)
-    one.found_at(AWAY, 1.5)
-    assert not one.yields
+    sent(one, RIGHT, 1.0)
+    assert not told(one, Position(0.0, -30.0, 1.0), 1.5)
+    assert told(one, Position(-10.0, -30.0, 1.0), 1.6)
+
+
+@pytest.mark.example
+def test_still_before_its_goal_somebody_stopped_it() -> None:
+    one = watched()
+    sent(one, RIGHT, 1.0)
+    stop = Position(0.0, -30.0, 1.0)
+    assert not told(one, stop, 1.4)
+    assert not told(one, stop, 1.8)
+    assert told(one, stop, 2.0)
+
+
+@pytest.mark.example
+def test_still_where_it_stood_the_command_may_not_have_come_through() -> None:
+    one = watched()
+    sent(one, RIGHT, 1.0)
+    assert not told(one, LEFT, 20.0)
+    assert not told(one, Position(0.0, -30.0, 1.0), 20.5)
+
+
+@pytest.mark.example
+def test_failures_do_not_hide_somebody_elses_move() -> None:
+    one = watched()
+    one.failed()
+    assert told(one, AWAY, 1.5)
+
+
+@pytest.mark.example
+def test_a_command_whose_answer_was_lost_may_take_effect_for_half_a_minute() -> None:
+    for passed_s, yields in ((9.0, False), (29.0, False), (31.0, True)):
+        one = watched()
+        sent(one, RIGHT, 1.0, accepted=False)
+        for second in range(1, int(passed_s)):
+            assert not told(one, LEFT, float(second))
+        assert told(one, RIGHT, 1.0 + passed_s) is yields
+
+
+@pytest.mark.example
+def test_after_a_silence_in_which_it_may_have_rebooted_it_may_be_anywhere() -> None:
+    one = watched()
+    one.failed()
+    assert not told(one, AWAY, 45.0)
+    one.sent(RIGHT, 45.0)
+    one.accepted(RIGHT)
+    assert not told(one, Position(10.0, -55.0, 1.0), 45.2)  # it may still have been turning when it was sent
+    assert not told(one, RIGHT, 46.0)
+    assert told(one, AWAY, 47.0)
+
+
+@pytest.mark.example
+def test_a_silence_without_a_failure_is_no_reboot() -> None:
+    assert told(watched(), AWAY, 45.0)
+
+
+@pytest.mark.example
+def test_a_camera_that_people_hold_is_judged_again_once_it_is_commanded() -> None:
+    one = watched()
+    one.let_go()
+    assert not told(one, AWAY, 1.0)
+    assert not told(one, AWAY, 2.0)
+    assert not told(one, RIGHT, 3.0)
+    sent(one, LEFT, 3.0)
+    assert not told(one, LEFT, 4.0)
+    assert told(one, AWAY, 5.0)
+
+
+@pytest.mark.example
+def test_one_that_is_sent_elsewhere_on_its_way_turns_there_and_then() -> None:
+    """From (-40, -30) it has gone 40 degrees of pan when it is sent up; half a second later it is 30 degrees up."""
+    one = watched()
+    sent(one, RIGHT, 0.0)
+    assert not told(one, Position(-10.0, -30.0, 1.0), 0.3)
+    sent(one, Position(0.0, 10.0, 1.0), 0.4)
+    assert not told(one, Position(0.0, 0.0, 1.0), 0.7)
+    assert told(one, Position(-30.0, 0.0, 1.0), 0.8)
+
+
+@pytest.mark.example
+def test_a_read_back_that_had_stopped_shows_a_later_way() -> None:
+    """It goes right, which its read-back does not show, and is on its way from there to `AWAY` when that comes back."""
+    one = watched()
+    sent(one, RIGHT, 0.0)
+    assert not told(one, LEFT, 5.0)
+    sent(one, AWAY, 5.0)
+    assert not told(one, Position(30.0, -40.0, 1.0), 5.1)
 
 
 @pytest.mark.example
 def test_a_long_way_round_may_be_gone_either_way() -> None:
     one = Yielding(0.2, 60.0)
-    one.left_at(Position(-170.0, 0.0))
-    one.found_at(Position(-170.0, 0.0), 0.0)
-    one.sent_to(Position(170.0, 0.0))
-    one.found_at(Position(-178.0, 0.0), 1.0)
-    assert not one.yields
+    start = Position(-170.0, 0.0)
+    one.read(start, 0.0, 0.0)
+    sent(one, Position(170.0, 0.0), 0.0)
+    assert not told(one, Position(-178.0, 0.0), 1.0)
 
 
 @pytest.mark.property
-@given(st.floats(0, 1), st.floats(-160, 160), st.floats(-80, 20), st.floats(-160, 160), st.floats(-80, 20))
+@given(
+    st.lists(st.tuples(st.floats(-160, 160), st.floats(-80, 20)), min_size=1, max_size=5),
+    st.floats(0.05, 3.0),
+    st.floats(30.0, 120.0),
+    st.booleans(),
+)
 def test_a_camera_that_only_does_as_it_is_told_never_yields(
-    share: float, pan: float, tilt: float, to_pan: float, to_tilt: float
+    goals: list[tuple[float, float]], every_s: float, tilt_speed: float, accepted: bool
 ) -> None:
-    one = Yielding(0.2, 60.0)
-    start, goal = Position(pan, tilt), Position(to_pan, to_tilt)
-    one.left_at(start)
-    one.found_at(start, 0.0)
-    one.sent_to(goal)
-    one.found_at(Position(pan + share * (to_pan - pan), tilt + share * (to_tilt - tilt)), 1.0)
-    assert not one.yields
-    one.left_at(goal)
-    one.found_at(goal, 2.0)
-    assert not one.yields
+    """Its tilt may be slower or faster than the 100 degrees a second that the site says."""
+    from surveillance_domain.emulation.kinematics import Journey
+
+    one, now = Yielding(0.2, 60.0, SPEEDS), 0.0
+    journey = Journey((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 0.0, (100.0, min(tilt_speed, 140.0), 1e9))
+    for pan, tilt in goals:
+        for _ in range(3):
+            assert not told(one, Position(*journey.at(now)), now)
+            now += every_s
+        assert not told(one, Position(*journey.at(now)), now)
+        sent(one, Position(pan, tilt, 1.0), now, accepted)
+        journey = journey.onward((pan, tilt, 1.0), now)
+    assert not told(one, Position(*journey.at(now + every_s)), now + every_s)
 
 
 @pytest.mark.example
 def test_taken_says_why() -> None:
     moved, free = watched(), watched()
-    moved.found_at(AWAY, 1.0)
+    assert told(moved, AWAY, 1.0)
     assert taken({"a": moved, "b": free, "c": watched()}, {"b"}) == {"a": MOVED, "b": HELD}
     assert taken({"a": moved}, {"a"}) == {"a": HELD}

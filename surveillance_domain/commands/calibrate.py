@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from factored_pomdp.commands.answers import COMMAND_LINE, AsJson, answer
+from factored_pomdp.commands.answers import COMMAND_LINE, AsJson, InputError, answer
 from surveillance_domain.commands.options import SiteName, input_checked
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from surveillance_domain.commands.calibration_answer import Fitted
     from surveillance_domain.site.camera import Camera
-    from surveillance_domain.vision.homography import HomographyFit
-    from surveillance_domain.vision.mount_fit import MountFit
     from surveillance_domain.vision.points import FloorPoint
 
 __all__ = ["calibrate"]
@@ -71,39 +72,62 @@ def calibrate(
     taken = calibration_input.pictures(found, description, picture or [], live)
     with input_checked():
         known = calibration_input.known_points(found, description, points, floor_markers, taken)
-        fitted = _fitted(description, known, mount, focal, position)
+    looked_for = () if floor_markers is None else tuple(taken)
+    fitted, refused = _fitted(description, known, looked_for, mount, focal, position)
     drawn = [] if out is None else calibration_answer.draw(found, description, fitted, taken, out)
-    good = all(one.residual_m <= _MOST_CELLS_OFF * found.grid.cell_m for one in _fits(fitted))
-    if path is not None and good:
+    kept = _kept(fitted, _MOST_CELLS_OFF * found.grid.cell_m)
+    if path is not None and kept:
         with input_checked((ValueError, OSError)):
-            calibration_answer.write(path, description, fitted)
-            calibration_answer.keep_points(path, description, fitted, taken)
+            calibration_answer.write(found, path, description, kept)
+            calibration_answer.keep_points(path, description, kept, taken)
     carried = provenance(COMMAND_LINE.get(), {found.name: f"sha256:{found.digest}"})
     content: dict[str, Any] = {
         "site": found.name,
         "camera": camera,
-        **calibration_answer.content(fitted),
-        "fits": good,
-        "written": str(path) if path is not None and good else None,
+        **calibration_answer.content(fitted, kept),
+        "refused": [{"preset": preset, "because": because} for preset, because in refused.items()],
+        "fits": kept is fitted and not refused,
+        "written": str(path) if path is not None and kept else None,
         "pictures": [str(one) for one in drawn],
         **carried,
     }
     answer(content, calibration_answer.shown(content), as_json=as_json)
-    if not good:
+    if not content["fits"]:
         raise typer.Exit(1)
 
 
 def _fitted(
-    camera: Camera, points: tuple[FloorPoint, ...], mount: bool, focal: bool, position: bool
-) -> MountFit | tuple[HomographyFit, ...]:
-    from surveillance_domain.vision.homography import fit_homography
+    camera: Camera, points: tuple[FloorPoint, ...], looked_for: Sequence[str], mount: bool, focal: bool, position: bool
+) -> tuple[Fitted, dict[str, str]]:
+    """What was asked for; of homographies those that there are, and for the other presets why not.
+
+    Raises
+    ------
+    InputError
+        If there is none at all.
+    """
+    from surveillance_domain.vision.homography import CalibrationError, HomographyFit, fit_homography
     from surveillance_domain.vision.mount_fit import fit_mount
 
     if mount:
-        return fit_mount(camera, points, focal, position)
-    presets = [preset.name for preset in camera.presets if any(point.preset == preset.name for point in points)]
-    return tuple(fit_homography(camera, preset, points) for preset in presets)
+        with input_checked():
+            return fit_mount(camera, points, focal, position), {}
+    pointed = {point.preset for point in points}.union(looked_for)
+    fits: list[HomographyFit] = []
+    refused: dict[str, str] = {}
+    for preset in (one.name for one in camera.presets if one.name in pointed):
+        try:
+            fits.append(fit_homography(camera, preset, points))
+        except CalibrationError as problem:
+            refused[preset] = str(problem)
+    if not fits:
+        raise InputError("\n".join(refused.values()))
+    return tuple(fits), refused
 
 
-def _fits(fitted: MountFit | tuple[HomographyFit, ...]) -> tuple[MountFit | HomographyFit, ...]:
-    return fitted if isinstance(fitted, tuple) else (fitted,)
+def _kept(fitted: Fitted, most_m: float) -> Fitted | None:
+    """What fits well enough to be written; ``None``: nothing."""
+    if not isinstance(fitted, tuple):
+        return fitted if fitted.residual_m <= most_m else None
+    good = tuple(one for one in fitted if one.residual_m <= most_m)
+    return good if len(good) < len(fitted) else fitted

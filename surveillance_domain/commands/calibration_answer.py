@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,17 +19,29 @@ if TYPE_CHECKING:
     from surveillance_domain.vision.mount_fit import MountFit
     from surveillance_domain.vision.points import PointResidual
 
+    Fitted = MountFit | tuple[HomographyFit, ...]
+    """The mount, or the homographies of some presets."""
+
 __all__ = ["content", "draw", "keep_points", "shown", "write"]
 
 _DIGITS = 12
 _BACKGROUND = 110
+_TOO_FAR = "more than half a cell, which is not written"
 
 
-def content(fitted: MountFit | tuple[HomographyFit, ...]) -> dict[str, Any]:
-    """The result in types that JSON has."""
+def content(fitted: Fitted, kept: Fitted | None) -> dict[str, Any]:
+    """The result in types that JSON has; ``kept`` is that of it which fits well enough."""
     if isinstance(fitted, tuple):
+        good = {one.preset for one in kept} if isinstance(kept, tuple) else set()
         presets = [
-            {"name": one.preset, **_residual(one), "checked": one.checked, "homography": _rows(one)} for one in fitted
+            {
+                "name": one.preset,
+                **_residual(one),
+                "checked": one.checked,
+                "fits": one.preset in good,
+                "homography": _rows(one),
+            }
+            for one in fitted
         ]
         return {"method": "homography", "presets": presets, "points": [_point(p) for one in fitted for p in one.points]}
     from surveillance_domain.vision.points import root_mean_square
@@ -55,6 +67,7 @@ def shown(answered: Mapping[str, Any]) -> list[RenderableType]:
     lines: list[RenderableType] = [points]
     for one in answered.get("presets", ()):
         note = "" if one["checked"] else "; four points determine it, more would check it"
+        note += "" if one["fits"] else f"; {_TOO_FAR}: measure its points again"
         lines.append(f"Preset {one['name']}: {_off(one)} over {one['fitting']} of {one['points']} points{note}.")
     if "mount" in answered:
         mount, before = answered["mount"], answered["residual_px_before"]
@@ -63,10 +76,15 @@ def shown(answered: Mapping[str, Any]) -> list[RenderableType]:
         lines.append(f"Mount: {angles}, at [{place}] m; focal length × {answered['focal_scale']:.4f}.")
         was = "outside of the picture" if before is None else f"{before:.1f} pixels"
         lines.append(f"{_off(answered)} over the points that fit; all points before: {was}.")
-    if not answered["fits"]:
-        lines.append("That is more than half a cell; nothing was written.")
-    elif answered["written"]:
-        lines.append(f"Written: {answered['written']}")
+        if not answered["fits"]:
+            lines.append(f"That is {_TOO_FAR}.")
+    lines += [f"Not calibrated: {one['because']}." for one in answered["refused"]]
+    if answered["written"]:
+        which = ", ".join(one["name"] for one in answered.get("presets", ()) if one["fits"])
+        some = "" if answered["fits"] else f", of the presets that fit: {which}"
+        lines.append(f"Written: {answered['written']}{some}")
+    elif not answered["fits"]:
+        lines.append("Nothing was written.")
     lines += [f"Look at {picture}" for picture in answered["pictures"]]
     return lines
 
@@ -74,7 +92,7 @@ def shown(answered: Mapping[str, Any]) -> list[RenderableType]:
 def draw(
     site: Site,
     camera: Camera,
-    fitted: MountFit | tuple[HomographyFit, ...],
+    fitted: Fitted,
     taken: Mapping[str, Any],
     folder: Path,
 ) -> list[Path]:
@@ -97,19 +115,19 @@ def draw(
     return drawn
 
 
-def write(path: Path, camera: Camera, fitted: MountFit | tuple[HomographyFit, ...]) -> None:
+def write(site: Site, path: Path, camera: Camera, fitted: Fitted) -> None:
     """Put the result into the site file; a new mount makes the camera's homographies void.
 
     Raises
     ------
     SiteError
-        If the site would not be sound any more.
+        If the site would not be sound any more, a preset that sees nothing by the new mount being named.
     OSError
         If the file cannot be written.
     """
     from surveillance_domain.site.editing import edited_site, set_camera_key, set_homography
 
-    with edited_site(path) as document:
+    with edited_site(path, _views_check(site)) as document:
         if isinstance(fitted, tuple):
             for one in fitted:
                 set_homography(document, camera.name, one.preset, _rows(one))
@@ -123,9 +141,19 @@ def write(path: Path, camera: Camera, fitted: MountFit | tuple[HomographyFit, ..
                 set_homography(document, camera.name, preset.name, None)
 
 
-def keep_points(
-    path: Path, camera: Camera, fitted: MountFit | tuple[HomographyFit, ...], taken: Mapping[str, Any]
-) -> None:
+def _views_check(site: Site) -> Callable[[Site], object] | None:
+    """Fields of view must be as sound as before; a site that has blind presets already may be mended bit by bit."""
+    from surveillance_domain.model.views import build_views
+    from surveillance_domain.site.faults import SiteError
+
+    try:
+        build_views(site)
+    except SiteError:
+        return None
+    return build_views
+
+
+def keep_points(path: Path, camera: Camera, fitted: Fitted, taken: Mapping[str, Any]) -> None:
     """Write the points that fit beside the site file, for the doctor to look for them again.
 
     Raises
@@ -153,7 +181,7 @@ def keep_points(
     write_calibrations(calibration_path(path), camera.name, made, anew=not isinstance(fitted, tuple))
 
 
-def _grounds(camera: Camera, fitted: MountFit | tuple[HomographyFit, ...]) -> dict[str, Ground]:
+def _grounds(camera: Camera, fitted: Fitted) -> dict[str, Ground]:
     if isinstance(fitted, tuple):
         return {one.preset: one.ground for one in fitted}
     from surveillance_domain.cameras.base import Position

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from surveillance_domain.site.camera import Camera
 from surveillance_domain.vision.ground import Ground
@@ -20,6 +20,7 @@ LEAST_POINTS = 4
 
 _FITS_PX = 5.0
 _FLAT = 1e-3
+_HELP = "lay or click more that it sees, not on one line, or fit the mount, which serves all presets (--mount)"
 
 
 class CalibrationError(ValueError):
@@ -54,24 +55,37 @@ def fit_homography(camera: Camera, preset: str, points: Sequence[FloorPoint]) ->
     Raises
     ------
     CalibrationError
-        With fewer than four points, or when they lie on one line.
+        With fewer than four points, when all but one of them lie on one line, or when most do not agree; it says what
+        would help.
     """
     cv2 = opencv()
     mine = [point for point in points if point.preset == preset]
     if len(mine) < LEAST_POINTS:
         raise CalibrationError(
-            f'preset "{preset}": {len(mine)} points; a homography takes at least {LEAST_POINTS}: give more that it '
-            "sees, or fit the mount for all presets (--mount), which takes fewer"
+            f'preset "{preset}": {len(mine)} points; a homography takes at least {LEAST_POINTS}: {_HELP}'
         )
     position = np.asarray(camera.mount.position_m, dtype=float)
     pixels, floor = np.array([point.pixel for point in mine]), _on_floor(mine, position)
-    if _flatness(floor) < _FLAT or _flatness(pixels) < _FLAT:
-        raise CalibrationError(f'preset "{preset}": all points lie on one line; a homography takes four corners')
+    line = next((found for found in map(_on_one_line, (floor, pixels)) if found is not None), None)
+    if line is not None:
+        named = (
+            "all its points" if line.all() else ", ".join(one.name for one, on in zip(mine, line, strict=True) if on)
+        )
+        raise CalibrationError(
+            f'preset "{preset}": {named} lie on one line; a homography takes two points or more beside it: {_HELP}'
+        )
     method = cv2.RANSAC if len(mine) > LEAST_POINTS else 0
     to_picture, good = cv2.findHomography(floor, pixels, method, _FITS_PX, maxIters=10_000, confidence=0.9999)
     if to_picture is None or abs(np.linalg.det(to_picture)) < 1e-12:
-        raise CalibrationError(f'preset "{preset}": no homography fits these points: three may lie on one line')
+        raise CalibrationError(
+            f'preset "{preset}": no homography fits its {len(mine)} points: measure their places again, or {_HELP}'
+        )
     fits = good.ravel().astype(bool)
+    if 2 * fits.sum() < len(mine):
+        raise CalibrationError(
+            f'preset "{preset}": only {fits.sum()} of {len(mine)} points agree with one another, as any four do: '
+            f"measure their places again, or {_HELP}"
+        )
     if fits.sum() > LEAST_POINTS:
         to_picture, _ = cv2.findHomography(floor[fits], pixels[fits], 0)
     to_floor = _seeing(np.linalg.inv(to_picture), pixels[fits])
@@ -85,6 +99,15 @@ def _on_floor(points: Sequence[FloorPoint], position_m: Float[np.ndarray, "3"]) 
     if high:
         raise CalibrationError(f"{', '.join(high)}: as high as the camera or higher; expected points below it")
     return position_m[:2] + (places - position_m[:2]) / (1 - heights / position_m[2])[:, None]
+
+
+def _on_one_line(points: Float[np.ndarray, "points 2"]) -> Bool[np.ndarray, " points"] | None:
+    """Which points lie on one line, if it is all of them or all but one; otherwise ``None``."""
+    everything = np.ones(len(points), dtype=bool)
+    for counted in (everything, *(everything & (np.arange(len(points)) != one) for one in range(len(points)))):
+        if _flatness(points[counted]) < _FLAT:
+            return counted
+    return None
 
 
 def _flatness(points: Float[np.ndarray, "points 2"]) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -18,7 +19,9 @@ from surveillance_domain.emulation.guard import Guard
 from surveillance_domain.emulation.motors import EmulatedMotors
 from surveillance_domain.emulation.server import CameraServer
 from surveillance_domain.model.pinhole import pinhole
+from surveillance_domain.model.views import build_views
 from surveillance_domain.site.camera import Camera
+from surveillance_domain.site.faults import SiteError
 from surveillance_domain.site.load import load_site
 from surveillance_domain.site.site import Site
 from surveillance_domain.vision.agreement import disagreement_m
@@ -127,6 +130,66 @@ def test_points_that_do_not_fit_are_named(surveillance: Command, lego: Path, tmp
         ["line", "8", "middle"]
     ]
     assert "7 of 8 points" in answer.out
+
+
+@pytest.mark.end_to_end
+def test_a_preset_without_a_fit_is_named_and_the_others_are_kept(
+    surveillance: Command, lego: Path, tmp_path: Path
+) -> None:
+    line = ((0.4, 0.6), (0.6, 0.9), (0.8, 1.2), (0.5, 1.3))
+    points = clicked(tmp_path, ("left", line), ("middle", MIDDLE), noise_px=0.0)
+    words = ["calibrate", lego, "south", "--points", points]
+    answer = surveillance(*words, "--write", "--json")
+    assert answer.code == 1
+    assert [(one["name"], one["fits"]) for one in answer.json["presets"]] == [("middle", True)]
+    (refused,) = answer.json["refused"]
+    assert refused["preset"] == "left"
+    assert "line 2, line 3, line 4 lie on one line" in refused["because"]
+    assert (answer.json["fits"], answer.json["written"]) == (False, str(lego))
+    presets = load_site(lego).cameras[0].presets
+    assert [preset.homography is not None for preset in presets] == [False, True, False]
+    kept = json.loads((tmp_path / "lego.calibration.json").read_text(encoding="utf-8"))
+    assert [one["name"] for one in kept["cameras"][0]["presets"]] == ["middle"]
+    told = surveillance(*words, "--write")
+    assert told.code == 1
+    for part in ('Not calibrated: preset "left"', "--mount", f"Written: {lego}, of the presets that fit: middle"):
+        assert part in " ".join(told.out.split())
+
+
+@pytest.mark.end_to_end
+def test_a_preset_whose_points_disagree_is_not_written_and_the_others_are(
+    surveillance: Command, lego: Path, tmp_path: Path
+) -> None:
+    points = clicked(tmp_path, ("middle", MIDDLE), noise_px=0.0)
+    spread = np.random.default_rng(0).uniform((0, 0, 0.2, 0.5), (700, 570, 1.2, 1.6), (12, 4)).tolist()
+    rows = [f"left,{','.join(map(str, row))}\n" for row in spread]
+    points.write_text(points.read_text(encoding="utf-8") + "".join(rows), encoding="utf-8")
+    answer = surveillance("calibrate", lego, "south", "--points", points, "--write", "--json")
+    assert (answer.code, [one["name"] for one in answer.json["presets"]]) == (1, ["middle"])
+    assert "of 12 points agree with one another" in answer.json["refused"][0]["because"]
+    assert [preset.homography is not None for preset in load_site(lego).cameras[0].presets] == [False, True, False]
+
+
+@pytest.mark.end_to_end
+def test_a_mount_by_which_a_preset_sees_nothing_is_not_written(
+    surveillance: Command, lego: Path, tmp_path: Path
+) -> None:
+    text = lego.read_text(encoding="utf-8").replace('{ name = "left", pan = -40.0', '{ name = "left", pan = -100.0', 1)
+    lego.write_text(text, encoding="utf-8")
+    with pytest.raises(SiteError):  # the other cameras' left presets look away; only the southern one is spoken of here
+        build_views(load_site(lego))
+    rest = text.index('[[cameras]]\nname = "north-west"')
+    text = text[:rest] + text[text.index("[[static_cameras]]") :]
+    lego.write_text(text, encoding="utf-8")
+    build_views(load_site(lego))  # by the site's own mount it still sees some of the floor
+    answer = surveillance(
+        "calibrate", lego, "south", "--points", clicked(tmp_path, ("middle", MIDDLE)), "--mount", "--write"
+    )
+    assert answer.code == 2
+    assert f"{lego}, as it would be changed" in answer.err
+    assert 'preset "left" of camera "south" that sees no free cell' in answer.err
+    assert lego.read_text(encoding="utf-8") == text
+    assert not (tmp_path / "lego.calibration.json").exists()
 
 
 @pytest.mark.end_to_end

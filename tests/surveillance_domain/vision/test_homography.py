@@ -73,8 +73,32 @@ def test_points_of_other_presets_do_not_count() -> None:
 @pytest.mark.example
 def test_points_on_a_line_are_refused() -> None:
     line = [(1.0 + 0.2 * step, 1.0 + 0.1 * step) for step in range(5)]
-    with pytest.raises(CalibrationError, match="on one line"):
+    with pytest.raises(CalibrationError, match="all its points lie on one line; a homography takes two points or more"):
         fit_homography(CAMERA, "middle", points_of(CAMERA, "middle", line))
+
+
+@pytest.mark.example
+@pytest.mark.parametrize("count", [3, 5])
+def test_one_point_beside_a_line_is_not_enough_and_the_line_is_named(count: int) -> None:
+    line = [(1.0 + 0.2 * step, 1.0 + 0.1 * step) for step in range(count)]
+    points = points_of(CAMERA, "middle", [*line[:2], (1.1, 1.6), *line[2:]])
+    with pytest.raises(CalibrationError) as caught:
+        fit_homography(CAMERA, "middle", points)
+    on_it = [point.name for number, point in enumerate(points) if number != 2]
+    assert f'preset "middle": {", ".join(on_it)} lie on one line' in str(caught.value)
+    assert "(--mount)" in str(caught.value)
+    beside = points_of(CAMERA, "middle", [(1.7, 1.6)])
+    assert fit_homography(CAMERA, "middle", [*points, *beside]).residual_px < 1e-3
+
+
+@pytest.mark.example
+def test_points_of_which_most_disagree_are_refused() -> None:
+    rng = np.random.default_rng(0)
+    places, elsewhere = ([(x, y) for x, y in rng.uniform((1, 1), (2, 2), (12, 2)).tolist()] for _ in range(2))
+    seen = points_of(CAMERA, "middle", places)
+    points = [replace(one, place_m=place) for one, place in zip(seen, elsewhere, strict=True)]
+    with pytest.raises(CalibrationError, match=r"only [45] of 12 points agree with one another"):
+        fit_homography(CAMERA, "middle", points)
 
 
 @pytest.mark.example

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from surveillance_domain.site.faults import Fault
-from surveillance_domain.trajectories.conventions import Conventions, on_floor
+from surveillance_domain.trajectories.conventions import Conventions, on_floor, sidecar_of
+from surveillance_domain.trajectories.findings import Limits, findings
 from surveillance_domain.trajectories.rasters import usual_step
 from surveillance_domain.trajectories.rows import Rows, TrajectoryError
 from surveillance_domain.trajectories.tracks import Counts, Track, Tracks
@@ -19,22 +20,8 @@ __all__ = ["Limits", "cleaned"]
 _WALKING_MPS = (0.4, 2.2)
 _MOVING_MPS = 0.3
 _RATES_AGREE = 0.1
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Where a track is cut.
-
-    Attributes
-    ----------
-    gap_s : float
-        Longest time without a point that is filled by interpolation.
-    fastest_mps : float
-        Faster moves are jumps.
-    """
-
-    gap_s: float = 2.0
-    fastest_mps: float = 10.0
+_SAME_PLACE = 1e-9
+_Numbers = Int[np.ndarray, "..."]
 
 
 def cleaned(rows: Rows, conventions: Conventions, limits: Limits, source: str) -> Tracks:
@@ -46,28 +33,47 @@ def cleaned(rows: Rows, conventions: Conventions, limits: Limits, source: str) -
         Without a rate of frames, without a track of two points, or where most people move faster than anybody can.
     """
     rate = conventions.frames_per_s or rows.frames_per_s
+    unordered = _unordered(rows)
+    rows = _by_person_and_frame(rows)
     step = usual_step(rows)
     if step is None:
         raise TrajectoryError(source, (Fault("", "no track of two points", "people who are seen more than once"),))
     if rate is None:
-        raise TrajectoryError(source, (Fault("", "no rate of frames", _rate_wanted(rows, conventions)),))
+        raise TrajectoryError(source, (Fault("", "no rate of frames", _rate_wanted(rows, conventions, source)),))
     points = on_floor(rows.points, conventions)
     if not np.isfinite(points).all():
-        line = int(rows.lines[~np.isfinite(points).all(axis=1)][0])
+        line = int(rows.lines[~np.isfinite(points).all(axis=1)].min())
         raise TrajectoryError(source, (Fault(f"line {line}", "a point on the horizon of the homography", "the floor"),))
-    counts: Counter[str] = Counter(rows=len(points), people=len(rows.names))
-    tracks: list[Track] = []
-    for number, name in enumerate(rows.names):
-        own = np.flatnonzero(rows.tracks == number)
-        frames, places = _in_order(rows.frames[own], points[own], counts)
-        tracks += _parts(name, frames / rate, places, step / rate, limits, counts)
-    if counts["other_units"] * 2 > len(rows.names):
+    kept, repeated, contradictory = _once_a_frame(rows, points)
+    cut = _cut(rows.tracks[kept], rows.frames[kept] / rate, points[kept], step / rate, limits)
+    met = {
+        "repeated_rows": repeated,
+        "contradictory_frames": contradictory,
+        "out_of_order_rows": unordered,
+        "gaps_filled": kept[cut.filled],
+        "gaps_cut": kept[cut.gaps],
+        "jumps": kept[cut.jumps],
+        "single_points": kept[cut.single],
+        "other_units": kept[cut.other_units],
+    }
+    names = {int(rows.tracks[kept[part[0]]]) for part in cut.parts}
+    told = findings(rows, met, names, limits)
+    if len(cut.other_units) * 2 > len(rows.names):
         pace = float(np.median(_speeds(rows, points, rate)))
         raise TrajectoryError(source, (Fault("", f"a median speed of {pace:.3g} m/s", _UNITS),))
-    if not tracks:
-        raise TrajectoryError(source, (Fault("", "no track of two points", "people who are seen more than once"),))
-    warnings = _warnings(rows, points, rate, conventions, tracks)
-    return Tracks(tuple(tracks), step / rate, Counts(**counts), warnings)
+    if not cut.parts:
+        faults = (Fault("", one.message.rstrip("."), "tracks that go on") for one in told)
+        none = Fault("", "no track of two points that is left", "people who are seen more than once")
+        raise TrajectoryError(source, (none, *faults))
+    times, places = rows.frames[kept] / rate, points[kept]
+    tracks = tuple(Track(rows.names[rows.tracks[kept[part[0]]]], times[part], places[part]) for part in cut.parts)
+    counts = Counts(
+        rows=len(points),
+        people=len(rows.names),
+        contradictory_people=len(rows.names) - len(np.unique(rows.tracks[kept])),
+        **{kind: len(at) for kind, at in met.items()},
+    )
+    return Tracks(tracks, step / rate, counts, _warnings(rows, rate, conventions, tracks), told)
 
 
 _UNITS = (
@@ -76,67 +82,105 @@ _UNITS = (
 )
 
 
-def _in_order(
-    frames: Float[np.ndarray, " points"], places: Float[np.ndarray, "points 2"], counts: Counter[str]
-) -> tuple[Float[np.ndarray, " kept"], Float[np.ndarray, "kept 2"]]:
-    """One person's rows by frame, each frame once; frames with two places are left out."""
-    counts["out_of_order_rows"] += int((np.diff(frames) < 0).sum())
-    order = np.argsort(frames, kind="stable")
-    frames, places = frames[order], places[order]
-    again = np.diff(frames) == 0
-    if not again.any():
-        return frames, places
-    same = again & (np.abs(np.diff(places, axis=0)) <= 1e-9).all(axis=1)
-    contradictory = np.unique(frames[1:][again & ~same])
-    counts["repeated_rows"] += int(same.sum())
-    counts["contradictory_frames"] += len(contradictory)
-    kept = np.concatenate([[True], ~again]) & ~np.isin(frames, contradictory)
-    return frames[kept], places[kept]
+def _unordered(rows: Rows) -> Int[np.ndarray, " found"]:
+    """Rows of an earlier frame than the same person's row before, numbered as `_by_person_and_frame` has them."""
+    as_written = np.argsort(rows.tracks, kind="stable")
+    back = (np.diff(rows.tracks[as_written]) == 0) & (np.diff(rows.frames[as_written]) < 0)
+    place = np.empty(len(as_written), dtype=np.int64)
+    place[np.lexsort([rows.frames, rows.tracks])] = np.arange(len(as_written))
+    return place[as_written[1:][back]]
 
 
-def _parts(
-    name: str,
+def _by_person_and_frame(rows: Rows) -> Rows:
+    order = np.lexsort([rows.frames, rows.tracks])
+    return replace(
+        rows,
+        frames=rows.frames[order],
+        tracks=rows.tracks[order],
+        points=rows.points[order],
+        lines=rows.lines[order],
+        velocities=None if rows.velocities is None else rows.velocities[order],
+    )
+
+
+def _once_a_frame(
+    rows: Rows, points: Float[np.ndarray, "rows 2"]
+) -> tuple[Int[np.ndarray, " kept"], Int[np.ndarray, " repeated"], Int[np.ndarray, " contradictory"]]:
+    """Rows to keep, one for each person and frame; rows that repeat one; the first of each frame with two places."""
+    again = np.concatenate([[False], (np.diff(rows.tracks) == 0) & (np.diff(rows.frames) == 0)])
+    alike = np.concatenate([[False], (np.abs(np.diff(points, axis=0)) <= _SAME_PLACE).all(axis=1)])
+    frame = np.cumsum(~again) - 1
+    first = np.flatnonzero(~again)
+    two_places = np.zeros(len(first), dtype=bool)
+    two_places[frame[again & ~alike]] = True
+    return first[~two_places], np.flatnonzero(again & alike), first[two_places]
+
+
+@dataclass(frozen=True, eq=False)
+class _Cut:
+    """Parts of tracks, and where they were cut: the numbers of points before and after which something is."""
+
+    parts: list[_Numbers]
+    filled: _Numbers
+    gaps: _Numbers
+    jumps: _Numbers
+    single: _Numbers
+    other_units: _Numbers
+
+
+def _cut(
+    people: Int[np.ndarray, " points"],
     times_s: Float[np.ndarray, " points"],
     places: Float[np.ndarray, "points 2"],
     frame_s: float,
     limits: Limits,
-    counts: Counter[str],
-) -> list[Track]:
-    """The track, cut at long gaps and jumps."""
-    passed = np.diff(times_s)
+) -> _Cut:
+    """Everybody's points in parts without long gaps and jumps; people most of whose moves are too fast are left out."""
+    own = np.diff(people) == 0
+    passed = np.where(own, np.diff(times_s), 1.0)
     speeds = np.hypot(*np.diff(places, axis=0).T) / passed
-    if len(speeds) and np.median(speeds) > limits.fastest_mps:
-        counts["other_units"] += 1
-        return []
-    missing = passed > 1.5 * frame_s
+    starts = np.flatnonzero(np.concatenate([[True], ~own]))
+    ends = np.append(starts[1:], len(people))
+    too_fast = np.zeros(len(people), dtype=bool)
+    other_units = []
+    for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
+        if end - start > 1 and np.median(speeds[start : end - 1]) > limits.fastest_mps:
+            other_units.append(start)
+            too_fast[start:end] = True
+    own &= ~too_fast[1:]
+    missing = own & (passed > 1.5 * frame_s)
     cut = missing & (passed > limits.gap_s + 1e-9)
-    jumped = ~cut & (speeds > limits.fastest_mps)
-    counts["gaps_cut"] += int(cut.sum())
-    counts["gaps_filled"] += int((missing & ~cut & ~jumped).sum())
-    counts["jumps"] += int(jumped.sum())
-    made = []
-    for part in np.split(np.arange(len(times_s)), np.flatnonzero(cut | jumped) + 1):
-        if len(part) > 1:
-            made.append(Track(name, times_s[part], places[part]))
-        else:
-            counts["single_points"] += 1
-    return made
+    jumped = own & ~cut & (speeds > limits.fastest_mps)
+    breaks = np.flatnonzero(~own | cut | jumped) + 1
+    begin = np.concatenate([[0], breaks])[: len(people)]
+    length = np.diff(np.append(begin, len(people)))
+    usable = ~too_fast[begin]
+    whole = usable & (length > 1)
+    return _Cut(
+        parts=[np.arange(b, b + n) for b, n in zip(begin[whole].tolist(), length[whole].tolist(), strict=True)],
+        filled=np.flatnonzero(missing & ~cut & ~jumped) + 1,
+        gaps=np.flatnonzero(cut) + 1,
+        jumps=np.flatnonzero(jumped) + 1,
+        single=begin[usable & (length == 1)],
+        other_units=np.array(other_units, dtype=np.int64),
+    )
 
 
 def _speeds(rows: Rows, points: Float[np.ndarray, "rows 2"], rate: float) -> Float[np.ndarray, " moves"]:
-    """Metres a second between successive rows of one person."""
-    order = np.lexsort([rows.frames, rows.tracks])
-    passed = np.diff(rows.frames[order]) / rate
-    moves: Bool[np.ndarray, " pairs"] = (np.diff(rows.tracks[order]) == 0) & (passed > 0)
-    return np.hypot(*np.diff(points[order], axis=0)[moves].T) / passed[moves]
+    """Metres a second between successive rows of one person; rows in order."""
+    passed = np.diff(rows.frames) / rate
+    moves: Bool[np.ndarray, " pairs"] = (np.diff(rows.tracks) == 0) & (passed > 0)
+    return np.hypot(*np.diff(points, axis=0)[moves].T) / passed[moves]
 
 
-def _warnings(
-    rows: Rows, points: Float[np.ndarray, "rows 2"], rate: float, conventions: Conventions, tracks: list[Track]
-) -> tuple[str, ...]:
+def _warnings(rows: Rows, rate: float, conventions: Conventions, tracks: tuple[Track, ...]) -> tuple[str, ...]:
     found = []
     if conventions.frames_per_s and rows.frames_per_s and not np.isclose(rate, rows.frames_per_s, rtol=1e-3):
-        found.append(f"the file itself says {rows.frames_per_s:g} frames a second; {rate:g} was given and is used")
+        found.append(
+            f"the file itself says {rows.frames_per_s:g} frames a second; {rate:g} was given and is used. If that was "
+            "meant for other files, leave --frames-per-s out and write it into the sidecar of each file that needs it: "
+            f"FILE.toml beside FILE, with the line frames_per_s = {rate:g}"
+        )
     told = _rate_of_velocities(rows, conventions)
     if told is not None and abs(told / rate - 1) > _RATES_AGREE:
         found.append(f"the file's own velocities speak of {told:.3g} frames a second; {rate:g} is used")
@@ -150,19 +194,18 @@ def _warnings(
 
 
 def _rate_of_velocities(rows: Rows, conventions: Conventions) -> float | None:
-    """The rate at which a file's velocities agree with its positions, where both are in metres."""
+    """The rate at which a file's velocities agree with its positions, where both are in metres; rows in order."""
     if rows.velocities is None or conventions.metres_per_unit is not None or conventions.homography is not None:
         return None
-    order = np.lexsort([rows.frames, rows.tracks])
-    told = np.hypot(*rows.velocities[order].T)[1:]
-    a_frame = np.diff(rows.frames[order])
-    fits = (np.diff(rows.tracks[order]) == 0) & (a_frame > 0)
-    moved = np.hypot(*np.diff(rows.points[order], axis=0)[fits].T) / a_frame[fits]
+    told = np.hypot(*rows.velocities.T)[1:]
+    moved = _speeds(rows, rows.points, 1.0)
+    fits = (np.diff(rows.tracks) == 0) & (np.diff(rows.frames) > 0)
     clear = (moved > 0) & (told[fits] > _MOVING_MPS)
     return float(np.median(told[fits][clear] / moved[clear])) if clear.any() else None
 
 
-def _rate_wanted(rows: Rows, conventions: Conventions) -> str:
+def _rate_wanted(rows: Rows, conventions: Conventions, source: str) -> str:
     told = _rate_of_velocities(rows, conventions)
     hint = f"; its own velocities speak of about {told:.3g}" if told is not None else ""
-    return f"--frames-per-s F, or frames_per_s in a sidecar (ETH counts 15 a second, UCY 25{hint})"
+    sidecar = sidecar_of(Path(source))
+    return f"--frames-per-s F, or the line frames_per_s = F in a file {sidecar} (ETH counts 15 a second, UCY 25{hint})"

@@ -6,14 +6,14 @@ second. Columns stand apart by spaces, tabs or commas.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-from surveillance_domain.trajectories.rows import Rows, RowsBuilder, number_of, track_name
+from surveillance_domain.trajectories.rows import LineBlock, Rows, RowsBuilder, finite_numbers, number_of, track_name
 
 __all__ = ["read_frame_text", "read_obsmat"]
 
 
-def read_frame_text(lines: Sequence[str], source: str) -> Rows:
+def read_frame_text(blocks: Iterable[LineBlock], source: str) -> Rows:
     """Four columns: frame, id, x, y.
 
     Raises
@@ -21,10 +21,10 @@ def read_frame_text(lines: Sequence[str], source: str) -> Rows:
     TrajectoryError
         Naming every line that does not hold four finite numbers.
     """
-    return _read(lines, source, ("frame", "id", "x", "y"), ("frame", "x", "y"))
+    return _read(blocks, source, ("frame", "id", "x", "y"), ("frame", "x", "y"))
 
 
-def read_obsmat(lines: Sequence[str], source: str) -> Rows:
+def read_obsmat(blocks: Iterable[LineBlock], source: str) -> Rows:
     """Eight columns: frame, id, x, z, y, vx, vz, vy.
 
     Raises
@@ -32,13 +32,28 @@ def read_obsmat(lines: Sequence[str], source: str) -> Rows:
     TrajectoryError
         Naming every line that does not hold eight finite numbers.
     """
-    return _read(lines, source, ("frame", "id", "x", "z", "y", "vx", "vz", "vy"), ("frame", "x", "y", "vx", "vy"))
+    return _read(blocks, source, ("frame", "id", "x", "z", "y", "vx", "vz", "vy"), ("frame", "x", "y", "vx", "vy"))
 
 
-def _read(lines: Sequence[str], source: str, columns: tuple[str, ...], used: tuple[str, ...]) -> Rows:
+def _read(blocks: Iterable[LineBlock], source: str, columns: tuple[str, ...], used: tuple[str, ...]) -> Rows:
     builder = RowsBuilder(source)
+    places = [columns.index(name) for name in used]
+    for first, written in blocks:
+        lines = [line.replace(",", " ") for line in written] if "," in written[0] else written
+        table = finite_numbers(lines, len(columns))
+        if table is not None:
+            builder.add_block(first, table[:, 1], table[:, places])
+        else:
+            _read_lines(builder, first, lines, columns, used)
+    return builder.rows_read()
+
+
+def _read_lines(
+    builder: RowsBuilder, first: int, lines: Sequence[str], columns: tuple[str, ...], used: tuple[str, ...]
+) -> None:
+    """Line by line, so that every fault is told with its own."""
     expected = f"{len(columns)} numbers: {', '.join(columns)}"
-    for number, line in enumerate(lines, start=1):
+    for number, line in enumerate(lines, start=first):
         words = line.replace(",", " ").split()
         if not words:
             continue
@@ -52,4 +67,3 @@ def _read(lines: Sequence[str], source: str, columns: tuple[str, ...], used: tup
             builder.fault(number, found, f"finite numbers for {', '.join(values)}")
             continue
         builder.add(number, track_name(words[1]), [float(values[name] or 0.0) for name in used])
-    return builder.rows_read()

@@ -21,7 +21,7 @@ from surveillance_domain.site.faults import Fault
 from surveillance_domain.site.fields import FileName, Number, Positive, Section
 from surveillance_domain.trajectories.rows import TrajectoryError, number_of
 
-__all__ = ["Conventions", "on_floor", "read_homography", "with_sidecar"]
+__all__ = ["Conventions", "on_floor", "read_homography", "sidecar_of", "with_sidecar"]
 
 _Row = tuple[Number, Number, Number]
 
@@ -62,6 +62,11 @@ class _Sidecar(Section):
     columns: dict[str, str] | None = Field(None, description='names of columns, such as { x = "pos_x", id = "person" }')
 
 
+def sidecar_of(path: Path) -> Path:
+    """Where the sidecar of a file lies, if it has one: ``walk.txt`` has ``walk.txt.toml`` beside it."""
+    return path.with_name(path.name + ".toml")
+
+
 def with_sidecar(path: Path, given: Conventions) -> Conventions:
     """What was given, and for the rest what the file's sidecar says.
 
@@ -70,7 +75,7 @@ def with_sidecar(path: Path, given: Conventions) -> Conventions:
     TrajectoryError
         With every fault of the sidecar, or if both a scale and a homography were given.
     """
-    sidecar = path.with_name(path.name + ".toml")
+    sidecar = sidecar_of(path)
     if sidecar.is_file():
         said = _read_sidecar(sidecar)
         on_the_floor = given.metres_per_unit is None and given.homography is None

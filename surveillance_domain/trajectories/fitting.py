@@ -19,7 +19,8 @@ __all__ = ["MotionFit", "fit_motion", "speed_set", "wrapped_gaussian_sigma"]
 
 _LEAST_RAD = 1e-4
 _MOST_RAD = 2 * math.pi
-_WRAPS = 8
+_TAILS = 9.0
+_AT_ONCE = 250_000
 
 
 @dataclass(frozen=True)
@@ -93,15 +94,16 @@ def wrapped_gaussian_sigma(turns_rad: Float[np.ndarray, " turns"]) -> float:
     """
     from scipy.optimize import minimize_scalar
 
-    around = turns_rad[:, None] + 2 * math.pi * np.arange(-_WRAPS, _WRAPS + 1)
-
     def cost(log_sigma: float) -> float:
         sigma = math.exp(log_sigma)
-        exponents = -0.5 * (around / sigma) ** 2
-        largest = exponents.max(axis=1)
-        return len(around) * log_sigma - float(
-            (largest + np.log(np.exp(exponents - largest[:, None]).sum(axis=1))).sum()
-        )
+        wraps = math.ceil((math.pi + _TAILS * sigma) / (2 * math.pi))  # what is further away adds nothing
+        told = 0.0
+        for start in range(0, len(turns_rad), _AT_ONCE):
+            some = turns_rad[start : start + _AT_ONCE, None]
+            exponents = -0.5 * ((some + 2 * math.pi * np.arange(-wraps, wraps + 1)) / sigma) ** 2
+            largest = exponents.max(axis=1)
+            told += float((largest + np.log(np.exp(exponents - largest[:, None]).sum(axis=1))).sum())
+        return len(turns_rad) * log_sigma - told
 
     if float(np.abs(turns_rad).max()) < _LEAST_RAD:
         return _root_mean_square(turns_rad)
@@ -119,6 +121,8 @@ def speed_set(moves_mps: Float[np.ndarray, " moves"], count: int) -> tuple[float
     count = min(count, len(different))
     if count == len(different):
         return tuple(different.tolist())
+    if count == 1:  # kmeans would take a single centre for a number of clusters
+        return (round(float(moves_mps.mean()), 3),)
     start = np.unique(np.quantile(moves_mps, (np.arange(count) + 0.5) / count))
     if len(start) < count:
         start = different[np.linspace(0, len(different) - 1, count).round().astype(int)]

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -30,11 +31,12 @@ from surveillance_domain.model.motion_location import move_shares
 from surveillance_domain.trajectories.fitting import MotionFit
 from surveillance_domain.trajectories.transitions import STILL_MPS, Transitions
 
-__all__ = ["HeldOut", "held_out_log_likelihood"]
+__all__ = ["HeldOut", "check_grid_table", "held_out_log_likelihood", "verdict"]
 
 _BACKGROUND = 1e-3
 _TURN_NODES, _SPEED_NODES = 49, 25
 _CHUNK = 500
+_MOST_NUMBERS = 20_000_000
 
 
 @dataclass(frozen=True)
@@ -78,15 +80,15 @@ def held_out_log_likelihood(fit: MotionFit, pairs: Transitions, cell_m: float, d
     Raises
     ------
     ValueError
-        If there is no pair, or the two have different steps.
+        If there is no pair, the two have different steps, or the model on the grid would be too large.
     """
     if not len(pairs.people):
         raise ValueError("nobody who is held out takes two steps: there is nothing to judge the fit by")
     if pairs.step_s != fit.step_s:
         raise ValueError(f"a fit for steps of {fit.step_s:g} s cannot be judged by steps of {pairs.step_s:g} s")
     before, after = pairs.before_m / cell_m, pairs.after_m / cell_m
-    longest = max(float(np.abs(after).max()), max(fit.speeds_mps) * fit.step_s / cell_m)
-    reach = math.ceil(longest) + 1
+    reach = _reach(fit, pairs, cell_m)
+    check_grid_table(fit, pairs, cell_m, directions)
     cells, shares = _landing(after, reach)
     table = _grid_model(fit, cell_m, directions, reach)
     on_grid = table[_state_of(fit, before, cell_m, directions)[:, None], cells[..., 0], cells[..., 1]]
@@ -98,9 +100,8 @@ def held_out_log_likelihood(fit: MotionFit, pairs: Transitions, cell_m: float, d
         ("random_walk", np.zeros_like(before), fit.random_walk_m),
         ("constant_velocity", before, fit.constant_velocity_m),
     ):
-        x, y = (_axis_law(centre[:, axis], sigma_m / cell_m, reach) for axis in (0, 1))
-        rows = np.arange(len(before))[:, None]
-        scores[name] = _scores(x[rows, cells[..., 0]] * y[rows, cells[..., 1]], shares, reach)
+        x, y = (_axis_law(centre[:, axis], sigma_m / cell_m, cells[..., axis] - reach) for axis in (0, 1))
+        scores[name] = _scores(x * y, shares, reach)
     gains = {name: scores["model"] - scores[name] for name in ("random_walk", "constant_velocity")}
     return HeldOut(
         **{name: float(score.mean()) for name, score in scores.items()},
@@ -110,6 +111,50 @@ def held_out_log_likelihood(fit: MotionFit, pairs: Transitions, cell_m: float, d
         people=len(np.unique(pairs.people)),
         impossible=float((((on_grid <= 0) & (shares > 1e-9)).any(axis=1)).mean()),
     )
+
+
+def verdict(gain: tuple[float, float]) -> Literal["better", "worse", "undecided"]:
+    """What a 95 % interval of the model's gain says of the model."""
+    low, high = gain
+    return "better" if low > 0 else "worse" if high < 0 else "undecided"
+
+
+def _reach(fit: MotionFit, pairs: Transitions, cell_m: float) -> int:
+    """Cells, along an axis, that the longest move can lead to."""
+    longest = max(float(np.abs(pairs.after_m).max(initial=0.0)), max(fit.speeds_mps) * fit.step_s)
+    return math.ceil(longest / cell_m) + 1
+
+
+def check_grid_table(fit: MotionFit, pairs: Transitions, cell_m: float, directions: int) -> None:
+    """Refuse a model on the grid that is too large, before anything of it is made.
+
+    Raises
+    ------
+    ValueError
+        With its size, and the cells that would do.
+    """
+
+    def numbers(side_m: float) -> int:
+        return (directions + 1) * len(fit.speeds_mps) * (2 * _reach(fit, pairs, side_m) + 1) ** 2
+
+    if numbers(cell_m) <= _MOST_NUMBERS:
+        return
+    enough = cell_m
+    while numbers(enough) > _MOST_NUMBERS:
+        enough *= 1.25
+    window = 2 * _reach(fit, pairs, cell_m) + 1
+    raise ValueError(
+        f"cells of {cell_m:g} m: the model on the grid would be a table of {directions + 1} x {len(fit.speeds_mps)} x "
+        f"{window:,} x {window:,} = {numbers(cell_m):.3g} numbers ({8e-9 * numbers(cell_m):,.1f} GB), the longest move "
+        f"in {pairs.step_s:g} s going over {_reach(fit, pairs, cell_m) - 1:,} cells; at most {_MOST_NUMBERS:,} are "
+        f"made: expected a --cell-m of about {_rounded_up(enough):g} or more"
+    )
+
+
+def _rounded_up(number: float) -> float:
+    """To two digits."""
+    unit = 10.0 ** (math.floor(math.log10(number)) - 1)
+    return math.ceil(number / unit - 1e-9) * unit
 
 
 def _landing(
@@ -184,18 +229,23 @@ def _state_of(
     return np.where(pace < STILL_MPS, directions, bins) * len(speeds) + nearest
 
 
-def _axis_law(centre: Float[np.ndarray, " pairs"], sigma: float, reach: int) -> Float[np.ndarray, "pairs window"]:
+def _axis_law(
+    centre: Float[np.ndarray, " pairs"], sigma: float, offsets: Int[np.ndarray, "pairs 4"]
+) -> Float[np.ndarray, "pairs 4"]:
     """P(offset) along one axis of a unit square moved by N(centre, σ²): second differences of E(X - k)⁺, in cells."""
+    low, middle, high = (_excess(centre[:, None] - (offsets + step), sigma) for step in (-1, 0, 1))
+    return np.maximum(low - 2 * middle + high, 0.0)
+
+
+def _excess(ahead: Float[np.ndarray, "pairs 4"], sigma: float) -> Float[np.ndarray, "pairs 4"]:
+    """E(ahead + N(0, σ²))⁺."""
     from scipy.special import ndtr
 
-    edges = np.arange(-reach - 1, reach + 2)
     if sigma == 0:
-        excess = np.maximum(centre[:, None] - edges, 0.0)
-    else:
-        standard = (centre[:, None] - edges) / sigma
-        density = np.exp(-0.5 * standard**2) / math.sqrt(2 * math.pi)
-        excess = sigma * (standard * ndtr(standard) + density)
-    return np.maximum(excess[:, :-2] - 2 * excess[:, 1:-1] + excess[:, 2:], 0.0)
+        return np.maximum(ahead, 0.0)
+    standard = ahead / sigma
+    density = np.exp(-0.5 * standard**2) / math.sqrt(2 * math.pi)
+    return np.asarray(sigma * (standard * ndtr(standard) + density))
 
 
 def _scores(

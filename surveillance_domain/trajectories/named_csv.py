@@ -6,10 +6,19 @@ Columns of other names are given by the user, as ``{"x": "pos_x"}``.
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
 
 from surveillance_domain.site.faults import Fault
-from surveillance_domain.trajectories.rows import Rows, RowsBuilder, TrajectoryError, number_of, track_name
+from surveillance_domain.trajectories.rows import (
+    LineBlock,
+    Rows,
+    RowsBuilder,
+    TrajectoryError,
+    finite_numbers,
+    number_of,
+    track_name,
+)
 
 __all__ = ["COLUMNS", "read_csv"]
 
@@ -17,11 +26,13 @@ COLUMNS = ("frame", "time_s", "id", "x", "y")
 """What a column can be; of the first two, one is needed. With ``time_s`` the file has no frames to be counted."""
 
 
-def read_csv(lines: Sequence[str], source: str, columns: Mapping[str, str] | None = None) -> Rows:
+def read_csv(blocks: Iterable[LineBlock], source: str, columns: Mapping[str, str] | None = None) -> Rows:
     """Rows of a CSV file.
 
     Parameters
     ----------
+    blocks : iterable of (int, lines)
+        The first of them with a line that is not empty: the header.
     columns : mapping, optional
         From one of `COLUMNS` to the header that holds it, where that has another name.
 
@@ -30,33 +41,61 @@ def read_csv(lines: Sequence[str], source: str, columns: Mapping[str, str] | Non
     TrajectoryError
         Naming the columns that are missing, or every line that does not fit.
     """
-    first = next(line for line in lines if line.strip())
-    reader = csv.reader(lines, skipinitialspace=True, delimiter=max(",;\t", key=first.count))
-    header = [name.strip() for name in next(words for words in reader if words)]
+    rest = iter(blocks)
+    number, lines = next(rest)
+    empty = next(place for place, line in enumerate(lines) if line.strip())
+    delimiter = max(",;\t", key=lines[empty].count)
+    header = [name.strip() for name in next(csv.reader(lines[empty:], skipinitialspace=True, delimiter=delimiter))]
     places = _places(header, dict(columns or {}), source)
     timed = "time_s" in places
-    used = ("time_s" if timed else "frame", "x", "y")
+    table = _Table(header, places, ("time_s" if timed else "frame", "x", "y"), delimiter)
     builder = RowsBuilder(source)
-    for words in reader:
-        if not words:
-            continue
-        if len(words) != len(header):
-            builder.fault(reader.line_num, f"{len(words)} columns", f"{len(header)}, as the header has")
-            continue
-        values = [number_of(words[places[name]]) for name in used]
-        track = words[places["id"]].strip()
-        wrong = [
-            f"{header[places[name]]} = {words[places[name]]!r}"
-            for name, value in zip(used, values, strict=True)
-            if value is None
-        ]
-        if not track:
-            wrong.append(f"{header[places['id']]} = ''")
-        if wrong:
-            builder.fault(reader.line_num, ", ".join(wrong), f"finite numbers for {', '.join(used)}, and a name for id")
-        else:
-            builder.add(reader.line_num, track_name(track), [value for value in values if value is not None])
-    return builder.rows_read(frames_per_s=1.0 if timed else None)
+    table.read(builder, chain([(number + empty + 1, lines[empty + 1 :])], rest))
+    return builder.rows_read(frames_per_s=1.0 if timed else None, timed=timed)
+
+
+class _Table:
+    """What stands below the header."""
+
+    def __init__(self, header: list[str], places: Mapping[str, int], used: tuple[str, ...], delimiter: str) -> None:
+        self._header, self._places, self._used, self._delimiter = header, places, used, delimiter
+        self._wanted = [places["id"], *(places[name] for name in used)]
+
+    def read(self, builder: RowsBuilder, blocks: Iterator[LineBlock]) -> None:
+        """A block at a time; from the first quote on line by line, since quoted words may go over several."""
+        for first, lines in blocks:
+            if any('"' in line for line in lines):
+                self._read_lines(builder, first, chain(lines, *(more for _, more in blocks)))
+                return
+            table = finite_numbers(lines, len(self._header), self._delimiter, self._wanted) if lines else None
+            if table is not None:
+                builder.add_block(first, table[:, 0], table[:, 1:])
+            else:
+                self._read_lines(builder, first, lines)
+
+    def _read_lines(self, builder: RowsBuilder, first: int, lines: Iterable[str]) -> None:
+        header, places, used = self._header, self._places, self._used
+        reader = csv.reader(lines, skipinitialspace=True, delimiter=self._delimiter)
+        for words in reader:
+            line = first + reader.line_num - 1
+            if not words:
+                continue
+            if len(words) != len(header):
+                builder.fault(line, f"{len(words)} columns", f"{len(header)}, as the header has")
+                continue
+            values = [number_of(words[places[name]]) for name in used]
+            track = words[places["id"]].strip()
+            wrong = [
+                f"{header[places[name]]} = {words[places[name]]!r}"
+                for name, value in zip(used, values, strict=True)
+                if value is None
+            ]
+            if not track:
+                wrong.append(f"{header[places['id']]} = ''")
+            if wrong:
+                builder.fault(line, ", ".join(wrong), f"finite numbers for {', '.join(used)}, and a name for id")
+            else:
+                builder.add(line, track_name(track), [value for value in values if value is not None])
 
 
 def _places(header: list[str], columns: dict[str, str], source: str) -> dict[str, int]:

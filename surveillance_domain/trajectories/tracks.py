@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float
+
+if TYPE_CHECKING:
+    from surveillance_domain.trajectories.findings import Finding
 
 __all__ = ["Counts", "Track", "Tracks"]
 
@@ -40,6 +44,8 @@ class Counts:
         The same person, frame and place a second time; left out.
     contradictory_frames : int
         Frames at which one person is at two places; left out.
+    contradictory_people : int
+        People of whom no frame is left, because each has them at two places; left out.
     out_of_order_rows : int
         Rows of an earlier frame than the person's row before; put in order.
     gaps_filled : int
@@ -58,6 +64,7 @@ class Counts:
     people: int = 0
     repeated_rows: int = 0
     contradictory_frames: int = 0
+    contradictory_people: int = 0
     out_of_order_rows: int = 0
     gaps_filled: int = 0
     gaps_cut: int = 0
@@ -86,12 +93,15 @@ class Tracks:
     counts : Counts
     warnings : tuple of str
         What looks wrong but was taken as it stands.
+    findings : tuple of Finding
+        What was wrong and dealt with, one for each kind.
     """
 
     tracks: tuple[Track, ...]
     frame_s: float
     counts: Counts
     warnings: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
 
     @property
     def people(self) -> tuple[str, ...]:

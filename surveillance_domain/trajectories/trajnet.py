@@ -7,12 +7,12 @@ the frames is ``fps`` times the usual difference of a person's successive frames
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
 from surveillance_domain.trajectories.rasters import usual_step
-from surveillance_domain.trajectories.rows import Rows, RowsBuilder, number_of
+from surveillance_domain.trajectories.rows import LineBlock, Rows, RowsBuilder, number_of
 
 __all__ = ["read_trajnet"]
 
@@ -20,7 +20,7 @@ _TRACK = '{"track": {"f": frame, "p": person, "x": x, "y": y}} with finite numbe
 _SCENE = '{"scene": {…, "fps": rows a second}} with a number above 0'
 
 
-def read_trajnet(lines: Sequence[str], source: str) -> Rows:
+def read_trajnet(blocks: Iterable[LineBlock], source: str) -> Rows:
     """Tracks, and the rate of the frames where scenes tell ``fps``.
 
     Raises
@@ -30,7 +30,8 @@ def read_trajnet(lines: Sequence[str], source: str) -> Rows:
     """
     builder = RowsBuilder(source)
     rates: dict[float, int] = {}
-    for number, line in enumerate(lines, start=1):
+    lines = (numbered for first, block in blocks for numbered in enumerate(block, start=first))
+    for number, line in lines:
         if not line.strip():
             continue
         try:

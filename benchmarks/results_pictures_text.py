@@ -187,10 +187,11 @@ def _ceiling(runs: Sequence[PictureRun]) -> str:
     """Whether the paper's numbers can be had on this layout at all."""
     tops = [_percent(runs, "clairvoyant-perfect", count) for count in COUNTS]
     short = [str(count) for count, paper, top in zip(COUNTS, PAPER, tops, strict=True) if paper > top.high]
+    counting = "Counting what these fields of view hold, no controller can reach the paper's figures"
     if len(short) == len(COUNTS):
-        head = "**With these fields of view no controller can reach the paper's figures, with any number of robots.**"
+        head = f"**{counting}, with any number of robots.**"
     elif short:
-        head = f"**With these fields of view no controller can reach the paper's figures for m = {', '.join(short)}.**"
+        head = f"**{counting} for m = {', '.join(short)}.**"
     else:
         head = "The paper's figures lie within what this layout allows."
     ladder = ("clairvoyant-perfect", "simulated-perfect", "pictures-in-view", "pictures")
@@ -219,7 +220,10 @@ def _costs(runs: Sequence[PictureRun]) -> str:
     rows = [
         (name, [signed(_lead(runs, row, other, count)) for count in COUNTS]) for (row, other), name in COSTS.items()
     ]
-    return f"What pictures cost, in points, paired run by run:\n\n{_by_count('', rows)}"
+    told = (
+        "What pictures cost, in points, paired run by run; what is seen beyond the views counts in the last two rows:"
+    )
+    return f"{told}\n\n{_by_count('', rows)}"
 
 
 def _made_of(runs: Sequence[PictureRun], site: Site) -> str:
@@ -250,14 +254,14 @@ def _beyond(runs: Sequence[PictureRun]) -> str:
     elsewhere = 100 - _share([one.outside for one in of], [one.beyond for one in of])
     right = _share([one.right for one in of], [one.beyond for one in of])
     unused = np.array(_means(runs, "legible")) - [_percent(runs, "pictures", count).mean for count in COUNTS]
-    more = f"{_span(unused)} % of target-steps more show" if unused.max() >= _SHOWN else "None more shows"
+    more = f"{_span(unused)} % of target-steps" if unused.max() >= _SHOWN else "no other target-step"
     return fill(
         f"""**The first row of ours counts more than the others can.** To the model a view ends where a cell's middle
         leaves the picture, and at the depth that the site file gives; pictures show markers beyond both. A robot that
         is seen there is seen: it counts, and the belief goes by it, though the choice of presets does not reckon with
         it. At {_span(_means(runs, "beyond"))} % of target-steps that is all that is seen of a robot; in
-        {elsewhere:.0f} % of these its cell is in some camera's view all the same, and {right:.0f} % are put into the
-        right cell. {more} a marker that is not used. Drawn detections, simulated rows and bounds know of the
+        {elsewhere:.0f} % of these its cell is in some camera's view all the same, and {right:.1f} % are put into the
+        right cell. At {more} is a marker read that is not used. Drawn detections, simulated rows and bounds know of the
         model's views alone, so the first row may lie above them for that reason; the second row, which leaves these
         sightings out of the count, is the one to compare."""
     )

@@ -99,11 +99,9 @@ def test_the_section_says_what_the_runs_say(measure: ModuleType, tmp_path: Path)
     assert "| the same: read in some picture, in view or not | 90.0 |" in text
     assert "| the same: seen beyond the view | 10.0 |" in text
     assert "At 10.0 % of target-steps that is all that is seen of a robot" in text
-    assert (
-        "in 20 % of these its cell is in some camera's view all the same, and 90 % are put into the right cell" in text
-    )
+    assert "in 20 % of these its cell is in some camera's view all the same, and 90.0 % are put into the cell" in text
     # Means are 69.5 to 65.5.
-    assert "20.5 to 24.5 % of target-steps more show a marker that is not used" in text
+    assert "At 20.5 to 24.5 % of target-steps is a marker read that is not used" in text
     assert "pictures show 40 % in view, drawn detections 40 %" in text
     # The clairvoyant: 84.5, 83.5, 82.5, 81.5, 80.5, each ± 6.4; the paper is 13.7, 13.1, 10.8, 10.0, 6.5 above it.
     assert "no controller can reach the paper's figures, with any number of robots" in text

@@ -99,7 +99,7 @@ def test_the_section_says_what_the_runs_say(measure: ModuleType, tmp_path: Path)
     assert "| the same: read in some picture, in view or not | 90.0 |" in text
     assert "| the same: seen beyond the view | 10.0 |" in text
     assert "At 10.0 % of target-steps that is all that is seen of a robot" in text
-    assert "in 20 % of these its cell is in some camera's view all the same, and 90.0 % are put into the cell" in text
+    assert "in 20 % of these its cell is in some camera's view all the same, and 90.0 % are put into the right" in text
     # Means are 69.5 to 65.5.
     assert "At 20.5 to 24.5 % of target-steps is a marker read that is not used" in text
     assert "pictures show 40 % in view, drawn detections 40 %" in text

@@ -106,3 +106,18 @@ def test_a_site_file_that_leads_to_them(surveillance: Callable[..., Any], tmp_pa
     nowhere = surveillance(*words[:-1], tmp_path / "none" / "desk.toml")
     assert (nowhere.code, "there is no folder" in nowhere.err, nowhere.out) == (2, True, "")
     assert [file.name for file in tmp_path.iterdir()] == ["desk.toml"]
+
+
+@pytest.mark.end_to_end
+def test_faults_on_demand(surveillance: Callable[..., Any]) -> None:
+    words = ("--fault", "south:joystick@0-0.2", "--fault", "north-west:latency_s=0.1@0.1")
+    answer = surveillance("emulate", "lego", *words, "--seconds", "0.6")
+    assert answer.code == 0, answer.err
+    assert answer.err.splitlines() == [
+        "0 s: south: joystick=10 begins",
+        "0.1 s: north-west: latency_s=0.1 begins",
+        "0.2 s: south: joystick=10 ends",
+    ]
+    wrong = surveillance("emulate", "lego", "--fault", "south:latency=2", "--seconds", "0.05")
+    assert (wrong.code, wrong.out) == (2, "")
+    assert "--fault south:latency=2: no kind of fault 'latency' (did you mean 'latency_s'?)" in wrong.err

@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float, Int
 from surveillance_domain.trajectories.resampling import resampled
 from surveillance_domain.trajectories.tracks import Track
 
-__all__ = ["STILL_MPS", "Transitions", "split_people", "transitions"]
+__all__ = ["STILL_MPS", "Transitions", "in_order_of_content", "split_people", "transitions"]
 
 STILL_MPS = 0.25
 """Below this speed a person stands, and the direction of what is left of a move is the annotator's."""
@@ -85,17 +85,25 @@ def transitions(tracks: Sequence[Track], step_s: float) -> Transitions:
     )
 
 
+def in_order_of_content(tracks: Sequence[Track]) -> tuple[Track, ...]:
+    """The tracks by when and where they begin, then by name: the same whatever the order of a file's rows."""
+    return tuple(sorted(tracks, key=lambda track: (float(track.times_s[0]), *track.points_m[0].tolist(), track.name)))
+
+
 def split_people(
     tracks: Sequence[Track], share: float, rng: np.random.Generator
 ) -> tuple[tuple[Track, ...], tuple[Track, ...]]:
     """Tracks to learn from and tracks held out; all tracks of one person stand on one side.
+
+    Who is held out is drawn among the people in the order in which they come in (`in_order_of_content`), so it does
+    not depend on the order of rows or files.
 
     Parameters
     ----------
     share : float
         Of the people that are held out; at least one is on either side where there are two.
     """
-    names = list(dict.fromkeys(track.name for track in tracks))
+    names = list(dict.fromkeys(track.name for track in in_order_of_content(tracks)))
     count = min(max(1, round(share * len(names))), len(names) - 1)
     held = {names[number] for number in rng.permutation(len(names))[:count]}
     return tuple(t for t in tracks if t.name not in held), tuple(t for t in tracks if t.name in held)

@@ -24,7 +24,7 @@ from surveillance_domain.emulation.rendering import Renderer
 from surveillance_domain.emulation.server import CameraServer
 from surveillance_domain.emulation.virtual_clock import VirtualClock
 from surveillance_domain.emulation.virtual_session import virtual_session
-from surveillance_domain.model.build import motion_parameters
+from surveillance_domain.model.build import motion_parameters, starting_places
 from surveillance_domain.model.looks import Look, looks
 from surveillance_domain.model.motion import motion_tables
 from surveillance_domain.model.pinhole import pinhole
@@ -181,11 +181,9 @@ def emulated_limits(description: CameraDescription) -> Limits:
 
 
 def _presence(site: Site) -> Float[np.ndarray, " places"] | None:
-    """How likely a target is in each free cell, and outside, when it all begins; ``None`` without doors: anywhere."""
+    """How likely a target is in each free cell, and outside, when it all begins; ``None``: anywhere, all alike."""
     outside = motion_tables(site.grid, motion_parameters(site)).outside_share if site.targets.doors else None
-    if outside is None:
-        return None
-    return np.append(np.full(site.grid.size, (1 - outside) / site.grid.size), outside)
+    return None if outside is None and site.prior is None else starting_places(site, outside)
 
 
 def _zooms(description: CameraDescription) -> list[tuple[int, float]]:

@@ -57,7 +57,7 @@ def simulated_world(
     kind = GridTruth if truth == "grid" else ContinuousTruth
     site = surveillance.site
     prior = None
-    if site.targets.doors:
+    if site.targets.doors or site.prior is not None:
         prior = surveillance.model.initial[f"{surveillance.targets[0]}.location"].dense().array
     start = kind.initial(site.grid, motion_parameters(site), len(surveillance.targets), for_truth, prior)
     return SimulatedWorld(surveillance, start, for_eyes)

@@ -7,6 +7,7 @@ from itertools import count, islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from jaxtyping import Float
 
 from factored_pomdp.factors import Cause, DenseFactor, DeterministicFactor, Factor, NoisyOr, SparseFactor
 from factored_pomdp.model import FactoredPOMDP
@@ -21,7 +22,15 @@ from surveillance_domain.site.site import Site
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-__all__ = ["OUTSIDE", "UNSEEN", "Surveillance", "motion_parameters", "surveillance_model", "target_names"]
+__all__ = [
+    "OUTSIDE",
+    "UNSEEN",
+    "Surveillance",
+    "motion_parameters",
+    "starting_places",
+    "surveillance_model",
+    "target_names",
+]
 
 UNSEEN = "unseen"
 """The null observation φ: no camera detected the target. Its probability outside of every view is one."""
@@ -63,6 +72,16 @@ def motion_parameters(site: Site) -> MotionParameters:
         step_s=site.control.step_s,
         doors=tuple(DoorParameters(door.cells, door.rate_per_s) for door in site.targets.doors),
     )
+
+
+def starting_places(site: Site, outside_share: float | None) -> Float[np.ndarray, " places"]:
+    """P(place) of a target before the first step: by the site's prior on the map, and last, with doors, outside.
+
+    ``outside_share`` is the share of the time, in the long run, that a target is outside (``None``: no doors).
+    """
+    there = 1.0 if outside_share is None else 1 - outside_share
+    inside = np.full(site.grid.size, there / site.grid.size) if site.prior is None else there * site.prior
+    return inside if outside_share is None else np.append(inside, outside_share)
 
 
 def target_names(site: Site, targets: int) -> tuple[str, ...]:
@@ -151,9 +170,7 @@ class _Pattern:
         self.observation = _sighting(site, views, place, self.sighting, self.presets)
         self.reward = DenseFactor([self.sighting], np.append(np.ones(len(cells)), 0.0))
         self.initial = {x: DenseFactor([v], np.full(v.size, 1 / v.size)) for x, v in self.state.items()}
-        if motion.outside_share is not None:
-            inside = np.full(len(cells), (1 - motion.outside_share) / len(cells))
-            self.initial["l"] = DenseFactor([place], np.append(inside, motion.outside_share))
+        self.initial["l"] = DenseFactor([place], starting_places(site, motion.outside_share))
 
     def renaming(self, target: str) -> dict[str, str]:
         """Short names to a target's own."""

@@ -13,6 +13,7 @@ from surveillance_domain.site.checks import check_fields
 from surveillance_domain.site.faults import Fault, SiteError
 from surveillance_domain.site.maps import build_grid
 from surveillance_domain.site.places import check_places
+from surveillance_domain.site.prior import read_prior
 from surveillance_domain.site.site import Site
 from surveillance_domain.site.validation import validate
 
@@ -74,11 +75,12 @@ def _parse(content: bytes, name: str, path: Path | None, folder: Path, source: s
     grid, inputs, map_faults = build_grid(file.map, folder)
     if grid is None:
         raise SiteError(source, faults + map_faults)
-    faults += check_places(file, grid)
+    prior, prior_content, prior_faults = read_prior(file.targets.prior, folder, grid)
+    faults += check_places(file, grid) + prior_faults
     if faults:
         raise SiteError(source, faults)
     digest = hashlib.sha256()
-    for part in (content, *inputs):
+    for part in (content, *inputs, *([prior_content] if prior is not None else [])):
         digest.update(len(part).to_bytes(8, "big"))
         digest.update(part)
     return Site(
@@ -93,4 +95,5 @@ def _parse(content: bytes, name: str, path: Path | None, folder: Path, source: s
         operation=file.operation,
         privacy=file.privacy,
         markers=file.markers,
+        prior=prior,
     )

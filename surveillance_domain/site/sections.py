@@ -77,7 +77,7 @@ class Targets(Section):
     sigma_direction_deg: Annotated[Number, Field(ge=0, le=360)] = Field(30.0, description="degrees, 0 to 360")
     sigma_speed_mps: Annotated[Number, Field(ge=0, le=1000)] = Field(0.2, description="metres per second, 0 to 1000")
     walls: Literal["reject", "reflect", "stay"] = Field("reject", description='"reject", "reflect" or "stay"')
-    prior: Literal["uniform"] = Field("uniform", description='"uniform"')
+    prior: FileName = Field("uniform", description='"uniform", or the path of a CSV file: column,row,weight')
     known: tuple[KnownTarget, ...] = Field((), description='tables such as { name = "red", marker = 7 }')
     doors: tuple[Door, ...] = Field((), description="[[targets.doors]] tables with cells and rate_per_s")
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
+from jaxtyping import Float
 from pydantic import ValidationError
 
 from surveillance_domain.site.camera import Camera
@@ -26,11 +28,13 @@ class Site:
     path : Path or None
         The site file; None for a built-in site.
     digest : str
-        SHA-256 over the site file and, where there is one, its map's yaml and picture.
+        SHA-256 over the site file and, where there are such, its map's yaml and picture and its prior's file.
     grid : Grid
         The planning grid.
     targets, control, cameras, static_cameras, operation, privacy, markers
         The tables of the site file, ``[defaults]`` merged into the cameras.
+    prior : (cells,) float or None
+        Probability of each free cell for a target that is on the map at the start; ``None``: they are all alike.
     """
 
     name: str
@@ -44,6 +48,7 @@ class Site:
     operation: Operation = field(default_factory=Operation)
     privacy: tuple[PrivateArea, ...] = ()
     markers: Markers | None = None
+    prior: Float[np.ndarray, " cells"] | None = field(default=None, compare=False, repr=False)
 
     def with_overrides(self, detection_probability: float | None = None, cell_noise_m: float | None = None) -> Site:
         """A copy with these values on all cameras; ``None`` leaves what the site says.

@@ -5,10 +5,12 @@ from __future__ import annotations
 __all__ = [
     "BadAnswer",
     "BadPicture",
+    "BrokeOff",
     "CameraAway",
     "CameraError",
     "LoginRefused",
     "OutsideLimits",
+    "Overloaded",
     "Refused",
     "TooLate",
     "TooSlow",
@@ -36,6 +38,14 @@ class TooSlow(TooLate):
 
 class CameraAway(Unreachable):
     """Not asked at all: the camera failed too often, or refused the log-in, and is left alone for a while."""
+
+
+class Overloaded(Unreachable):
+    """The camera says that it cannot answer now (502, 503, 504)."""
+
+
+class BrokeOff(Unreachable):
+    """An answer that ended before it was whole."""
 
 
 class LoginRefused(CameraError):

@@ -10,14 +10,16 @@ import threading
 from collections.abc import Mapping
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass
-from http.client import HTTPException
+from http.client import HTTPException, IncompleteRead
 from typing import TYPE_CHECKING
 
 from surveillance_domain.cameras.clock import Clock
 from surveillance_domain.cameras.errors import (
     BadAnswer,
+    BrokeOff,
     CameraError,
     LoginRefused,
+    Overloaded,
     Refused,
     TooLate,
     Unreachable,
@@ -129,12 +131,18 @@ class Exchange:
         except (requests.exceptions.Timeout, TimeoutError):
             failure = TooLate(f"{self._name}: no answer from {self._url} in time")
         except (requests.exceptions.ConnectionError, requests.exceptions.ChunkedEncodingError, HTTPError) as error:
-            failure = Unreachable(f"{self._name}: no answer from {self._url} ({_root(error)})")
+            failure = self._unanswered(error)
         except (OSError, HTTPException) as error:
             failure = Unreachable(f"{self._name}: no answer from {self._url} ({_root(error)})")
         except Exception as error:  # whatever else the libraries stumble over in an answer
             failure = BadAnswer(f"{self._name}: {self._url} gives an answer that is not HTTP ({_root(error)})")
         raise failure
+
+    def _unanswered(self, error: Exception) -> Unreachable:
+        cut = _cut_short(error)
+        if cut is not None:
+            return BrokeOff(f"{self._name}: an answer from {self._url} broke off after {cut:,} bytes")
+        return Unreachable(f"{self._name}: no answer from {self._url} ({_root(error)})")
 
     def _ask(self, path: str, query: Mapping[str, str], until: float, most_bytes: int) -> Answer:
         left = until - self._clock.now()
@@ -164,7 +172,7 @@ class Exchange:
             because = self._login.why_not(header) if self._login else "asks for a log-in; set username and password_env"
             raise LoginRefused(f"{self._name}: {self._url} {because}")
         if status in _PASSING:
-            raise Unreachable(f"{self._name}: {self._url} answers {status}")
+            raise Overloaded(f"{self._name}: {self._url} answers {status}")
         if 300 <= status < 400:
             elsewhere = response.headers.get("location", "elsewhere")[:200]
             raise Refused(f"{self._name}: {self._url} sends us to {elsewhere!r}; put the right address into url")
@@ -192,6 +200,18 @@ class Exchange:
         if cut.is_set() or self._clock.now() > until:
             raise TooLate(f"{self._name}: the answer did not end in time")
         return bytes(body)
+
+
+def _cut_short(error: BaseException) -> int | None:
+    """How many bytes there were of an answer that was to have more; ``None`` for other errors."""
+    for inner in (error, *error.args):
+        if isinstance(inner, IncompleteRead):
+            return inner.partial if isinstance(inner.partial, int) else len(inner.partial)
+        if isinstance(inner, BaseException) and inner is not error:
+            found = _cut_short(inner)
+            if found is not None:
+                return found
+    return None
 
 
 def _root(error: BaseException) -> str:

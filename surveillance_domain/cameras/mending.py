@@ -10,6 +10,9 @@ _MENDS = {
     "step_s, or a smaller image, gives its answers time",
     "TooSlow": "it answers, but too late: a longer step_s gives its answers time; a smaller image, fewer who look "
     "through it, or a better network make them quicker",
+    "Overloaded": "it is there, but starts up or has too much to do: wait a minute; if it stays so, see who else looks "
+    "through it, and restart it",
+    "BrokeOff": "is the network overloaded, or a cable loose? if it stays so, restart the camera",
     "LoginRefused": "put the password of username into the environment variable that password_env names; after several "
     "wrong tries cameras lock a user out for some minutes",
     "Refused": "is this the camera's address, is channel right, and may username control pan, tilt and zoom?",

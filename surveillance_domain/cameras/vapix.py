@@ -100,8 +100,8 @@ class VapixCamera:
     def watched_by(self, witness: Witness) -> None:
         self.witness = witness
 
-    def start(self, budget_s: float) -> Limits:
-        """Read the limits, refuse presets outside, and find out in which size pictures come.
+    def read_limits(self, budget_s: float) -> Limits:
+        """Read the limits, and refuse presets outside.
 
         Raises
         ------
@@ -111,11 +111,17 @@ class VapixCamera:
             If the camera cannot be asked.
         """
         with self._lock:
-            until = self._clock.now() + budget_s
-            limits = self._read_limits(until)
+            limits = self._read_limits(self._clock.now() + budget_s)
             faults = [f'"{p.name}": {fault}' for p in self.description.presets for fault in limits.faults(_of(p))]
             if faults:
                 raise OutsideLimits(f"{self.name}: presets that the camera would clamp: {'; '.join(faults)}")
+            return limits
+
+    def start(self, budget_s: float) -> Limits:
+        """Read the limits (see `read_limits`, and what it raises), and find out in which size pictures come."""
+        with self._lock:
+            until = self._clock.now() + budget_s
+            limits = self.read_limits(budget_s)
             self._probe_resolution(until)
             return limits
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
@@ -105,6 +106,8 @@ class Examination:
         yield _limits(camera)
         picture = None
         try:
+            with suppress(OutsideLimits):
+                camera.start(_BUDGET_S)
             picture = camera.picture(_BUDGET_S)
             yield Check("snapshot", True, f"a JPEG of {len(picture.jpeg):,} bytes")
         except CameraError as problem:
@@ -224,13 +227,9 @@ def _at(preset: Preset) -> Position:
 
 def _limits(camera: VapixCamera) -> Check:
     try:
-        limits = camera.start(_BUDGET_S)
-    except OutsideLimits as problem:
-        return _failed("limits", problem, camera)
+        limits = camera.read_limits(_BUDGET_S)
     except CameraError as problem:
-        if camera.limits is None:
-            return _failed("limits", problem, camera)
-        limits = camera.limits
+        return _failed("limits", problem, camera)
     ends = {"pan": limits.pan, "tilt": limits.tilt, "zoom": limits.zoom}
     told = ", ".join(f"{axis} {low:g} to {high:g}" for axis, end in ends.items() if end for low, high in (end,))
     return Check("limits", True, f"all presets lie within {told}")

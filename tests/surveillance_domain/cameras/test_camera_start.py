@@ -9,7 +9,7 @@ import pytest
 
 from surveillance_domain.cameras.base import Camera, Limits
 from surveillance_domain.cameras.clock import RealClock
-from surveillance_domain.cameras.errors import BadPicture, CameraError, OutsideLimits, Refused, Unreachable
+from surveillance_domain.cameras.errors import BadPicture, BrokeOff, CameraError, OutsideLimits, Refused
 from surveillance_domain.cameras.opening import open_camera
 from surveillance_domain.cameras.vapix import VapixCamera
 from surveillance_domain.emulation.wording import error_text
@@ -79,7 +79,7 @@ def test_pictures_that_are_none() -> None:
             pair.driver.picture(2.0)
         pair.camera.faults.garbled_picture = False
         pair.camera.faults.truncated_picture = True
-        with pytest.raises(Unreachable, match="more expected"):
+        with pytest.raises(BrokeOff, match="broke off after"):
             pair.driver.picture(2.0)
         pair.camera.faults.truncated_picture = False
         pair.camera._snapshot = lambda size, compression: jpeg(*size)[:-200]

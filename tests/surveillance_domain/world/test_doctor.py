@@ -270,3 +270,25 @@ def test_a_camera_that_does_not_do_as_it_is_told() -> None:
         assert "sent back, it tells pan -40, tilt -40" in move.detail
         emulation._clock.sleep(1.0)
         assert emulation.cameras["south"].motors.true()[:2] == (-40.0, -40.0)  # where it stood, not where it was sent
+
+
+@pytest.mark.end_to_end
+def test_a_picture_that_breaks_off_is_no_fault_of_limits_or_address() -> None:
+    with emulated() as emulation:
+        emulation.cameras["south"].faults.truncated_picture = True
+        checks = examined(emulation)
+        assert checks["reachability"].ok
+        assert checks["limits"].ok
+        assert not checks["snapshot"].ok
+        assert "broke off after" in checks["snapshot"].detail
+        assert "restart the camera" in checks["snapshot"].detail
+        assert "address" not in checks["snapshot"].detail
+
+
+@pytest.mark.end_to_end
+def test_a_camera_that_has_too_much_to_do_is_there() -> None:
+    with emulated() as emulation:
+        emulation.cameras["south"].faults.unavailable_share = 1.0
+        found = examined(emulation)["reachability"]
+        assert (found.ok, "answers 503" in found.detail, "wait a minute" in found.detail) == (False, True, True)
+        assert "is it switched on" not in found.detail

@@ -60,7 +60,7 @@ class Hands:
         self.commands.clear()
 
     def late(self, by_s: Callable[[], float] | None) -> None:
-        """From now on the camera sets off so much later than it says."""
+        """From now on the camera sets off so much later than it says, on one command after the other."""
         self._late_s = by_s
 
     def now(self) -> float:
@@ -87,8 +87,8 @@ class Hands:
         now = self.now()
         self.commands.append(now)
         if self._late_s is not None:
-            self._late.append((now + self._late_s(), dict(query)))
-            self._late.sort(key=lambda one: one[0])
+            before = self._late[-1][0] if self._late else now
+            self._late.append((max(before, now + self._late_s()), dict(query)))
             return
         self._command(query)
         if self._without is not None:

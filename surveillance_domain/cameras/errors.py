@@ -35,6 +35,11 @@ class TooLate(Unreachable):
 class TooSlow(TooLate):
     """It answers, as it did just before, but takes longer for it than there was time."""
 
+    @staticmethod
+    def because(answer_s: float, budget_s: float) -> str:
+        """What it takes for an answer, and what there was for all of them."""
+        return f"it answers in {answer_s:.1f} s, where there are {budget_s:.1f} s for all that is asked"
+
 
 class CameraAway(Unreachable):
     """Not asked at all: the camera failed too often, or refused the log-in, and is left alone for a while."""

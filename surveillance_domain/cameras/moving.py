@@ -85,7 +85,7 @@ def drive(motors: Motors, target: Position, pace: Pace, clock: Clock, rng: np.ra
     except CameraError as error:
         return Move(Outcome.UNREACHABLE, trip.last, clock.now() - start, str(error), type(error).__name__)
     if outcome is Outcome.TIMED_OUT and trip.slowest_s >= _SLOW_SHARE * (until - start):
-        because = f"it answers in {trip.slowest_s:.1f} s, where {until - start:.1f} s were left for the move"
+        because = TooSlow.because(trip.slowest_s, until - start)
         return Move(outcome, trip.last, clock.now() - start, because, TooSlow.__name__)
     return Move(outcome, trip.last, clock.now() - start, because)
 

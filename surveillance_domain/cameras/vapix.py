@@ -20,7 +20,6 @@ from surveillance_domain.cameras.errors import (
     CameraError,
     OutsideLimits,
     Refused,
-    TooLate,
     TooSlow,
     Unreachable,
     without_name,
@@ -42,6 +41,7 @@ _PTZ = "/axis-cgi/com/ptz.cgi"
 _MOST_PICTURE_BYTES = 16_000_000
 _SLOW_S = 0.1
 """An answer that takes no longer is not called slow."""
+_ROUNDING_S = 1e-3
 
 
 class VapixCamera:
@@ -79,7 +79,7 @@ class VapixCamera:
         self._pace = Pace(description.tolerance_deg, description.settle_s, self._travel_s)
         self._lock = threading.RLock()
         self._failures, self._because = 0, ""
-        self._answer_s: float | None = None
+        self._answer_s, self._budget_s = 0.0, 0.0
 
     def __repr__(self) -> str:
         return f"VapixCamera({self.name!r})"
@@ -120,18 +120,19 @@ class VapixCamera:
     def start(self, budget_s: float) -> Limits:
         """Read the limits (see `read_limits`, and what it raises), and find out in which size pictures come."""
         with self._lock:
-            until = self._clock.now() + budget_s
+            until, self._budget_s = self._clock.now() + budget_s, budget_s
             limits = self.read_limits(budget_s)
             self._probe_resolution(until)
             return limits
 
     def position(self, budget_s: float) -> Position:
         with self._lock:
+            self._budget_s = budget_s
             return self.read(self._clock.now() + budget_s)
 
     def move(self, target: Position, budget_s: float) -> Move:
         with self._lock:
-            start = self._clock.now()
+            start, self._budget_s = self._clock.now(), budget_s
             try:
                 limits = self.limits or self._read_limits(start + budget_s)
             except CameraError as error:
@@ -155,7 +156,7 @@ class VapixCamera:
             If the camera cannot be asked.
         """
         with self._lock:
-            until = self._clock.now() + budget_s
+            until, self._budget_s = self._clock.now() + budget_s, budget_s
             before = self.read(until)
             jpeg, (width, height) = self._fetch_picture(self._resolution, until)
             after = self.read(until)
@@ -264,16 +265,16 @@ class VapixCamera:
         asked = self._clock.now()
         try:
             answer = self._exchange.get(path, query, until, most_bytes)
-        except TooLate:
-            usual_s, left_s = self._answer_s or 0.0, max(until - asked, 0.0)
-            if self._clock.now() - asked >= usual_s:
-                self._answer_s = None
-            if usual_s <= max(left_s, _SLOW_S):
+        except Unreachable:
+            usual_s, left_s, now = self._answer_s, max(until - asked, 0.0), self._clock.now()
+            if now - asked >= usual_s:
+                self._answer_s = 0.0
+            if usual_s <= max(left_s, _SLOW_S) or now < until - _ROUNDING_S:
                 raise
         else:
             self._answer_s = self._clock.now() - asked
             return answer
-        raise TooSlow(f"{self.name}: it answers in {usual_s:.1f} s, where {left_s:.1f} s were left")
+        raise TooSlow(f"{self.name}: {TooSlow.because(usual_s, self._budget_s)}")
 
     def _counted(self, ask: Callable[[], Answer], until: float) -> Answer:
         """Ask, if the camera may be asked: while it rests it may not, and then one question decides."""

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from factored_pomdp.commands.answers import AsJson, answer
+from factored_pomdp.commands.answers import AsJson, answer, side_console
 from surveillance_domain.commands.one_camera import described_camera
 from surveillance_domain.commands.options import SiteName, input_checked
 from surveillance_domain.commands.watch_state import state_of
@@ -29,7 +29,18 @@ def hold(
     state = state_of(found)
     with input_checked((OSError,)):
         state.hold(camera, not release)
+        heeded = state.heeded()
     held = sorted(state.held())
     told = f"{camera} is {'released' if release else 'held'}."
+    if heeded:
+        effect = "A run of this site heeds it from its next step on."
+    else:
+        effect = (
+            "No run is there to heed it: none of this site file with this state folder, "
+            f"{state.folder}. It is kept there for the next one."
+        )
     rest = f"Held at {found.name}: {', '.join(held)}." if held else f"No camera of {found.name} is held."
-    answer({"site": found.name, "camera": camera, "held": held}, [told, rest], as_json=as_json)
+    content = {"site": found.name, "camera": camera, "held": held, "heeded": heeded, "state_folder": str(state.folder)}
+    answer(content, [told, effect, rest], as_json=as_json)
+    if as_json and not heeded:
+        side_console().print(f"warning: {effect}", soft_wrap=True)

@@ -61,26 +61,29 @@ def run(
     """Run the cameras of a site: choose presets, turn cameras, look, learn; until stopped."""
     import signal
 
-    from surveillance_domain.commands.live_page import live_page, page_request
-    from surveillance_domain.commands.network import network_of
     from surveillance_domain.commands.stopping import stop_when_asked
-    from surveillance_domain.control.watch import Watch
-    from surveillance_domain.site.load import load_site
-    from surveillance_domain.vision.opencv import VisionMissing
 
-    _refuse_mixture(emulated, {"--fast": fast, "--no-pictures": not pictures, "--strangers": strangers > 0})
-    asked = page_request(page, page_port, page_address, page_origin)
-    if shadow and park:
-        raise InputError("--shadow never moves a camera, and --park does: leave one of them out")
-    with input_checked():
-        found = load_site(site)
-    number = targets if targets is not None else max(1, len(found.targets.known))
-    ends = None if until is None else _moment(until)
-    state = state_of(found)
     with ExitStack() as stack:
+        stop = stack.enter_context(stop_when_asked())  # before anything that takes long
+
+        from surveillance_domain.commands.live_page import live_page, page_request
+        from surveillance_domain.commands.network import network_of
+        from surveillance_domain.control.watch import Watch
+        from surveillance_domain.site.load import load_site
+        from surveillance_domain.vision.opencv import VisionMissing
+
+        _refuse_mixture(emulated, {"--fast": fast, "--no-pictures": not pictures, "--strangers": strangers > 0})
+        asked = page_request(page, page_port, page_address, page_origin)
+        if shadow and park:
+            raise InputError("--shadow never moves a camera, and --park does: leave one of them out")
+        with input_checked():
+            found = load_site(site)
+        number = targets if targets is not None else max(1, len(found.targets.known))
+        ends = None if until is None else _moment(until)
+        state = state_of(found)
         if not shadow and not emulated:
             stack.enter_context(alone(state))
-        stop = stack.enter_context(stop_when_asked())
+        stack.enter_context(state.heeding())
         with input_checked((ValueError, VisionMissing)):
             network = stack.enter_context(
                 network_of(
@@ -97,7 +100,8 @@ def run(
             )
         chosen = controller or found.control.controller
         acting = _controller(chosen, network.surveillance)
-        _start(network.world)
+        if not stop.asked:
+            _start(network.world)
         alert = _alert(found)
         written = None if record is None else _record(record, found, network.surveillance, chosen, seed, emulated)
         if written is not None:
@@ -105,7 +109,7 @@ def run(
         watch = Watch(network.world, acting, written, network.truth, alert)
         tell = _teller(watch, found, steps, progress)
         show = stack.enter_context(live_page(asked, watch, network, state, chosen))
-        for step in watch.turns():
+        for step in () if stop.asked else watch.turns():
             tell()
             show(step)
             over = steps is not None and step.number >= steps
@@ -115,6 +119,9 @@ def run(
         parked = {name: one.told for name, one in network.world.park().items()} if homeward else {}
         content = _content(watch.summary(), found, network.surveillance, chosen, seed, parked)
     answer(content, _shown(content), as_json=as_json)
+    if content["blind"]:
+        side_console().print(f"no camera gave a view: {_reasons(network.world)}", soft_wrap=True)
+        raise typer.Exit(1)
 
 
 def _refuse_mixture(emulated: bool, options: Mapping[str, bool]) -> None:
@@ -223,7 +230,7 @@ def _content(
 ) -> dict[str, Any]:
     from factored_pomdp.provenance import provenance
 
-    found = summary["percent_obs"]
+    found, steps = summary["percent_obs"], summary["steps"]
     return {
         "site": site.name,
         "controller": controller,
@@ -231,9 +238,17 @@ def _content(
         "runs": 1,
         **summary,
         "percent_obs": None if found is None else {"mean": found, "ci95": [None, None], "per_run": [found]},
+        "blind": steps > 0 and all(camera["failures"] == steps for camera in summary["cameras"]),
         "parked": dict(parked),
         **provenance(COMMAND_LINE.get(), {site.name: f"sha256:{site.digest}"}, seed),
     }
+
+
+def _reasons(world: NetworkWorld) -> str:
+    """What went wrong with each camera in the last step."""
+    return "; ".join(
+        f"{name}: {one.because or 'it looks at none of its presets'}" for name, one in world.reports.items()
+    )
 
 
 def _shown(content: Mapping[str, Any]) -> list[RenderableType]:
@@ -255,4 +270,5 @@ def _shown(content: Mapping[str, Any]) -> list[RenderableType]:
     for camera in content["cameras"]:
         parked = [content["parked"][camera["name"]]] if content["parked"] else []
         cameras.add_row(camera["name"], camera["state"], str(camera["failures"]), *parked)
-    return [rows, cameras]
+    closing = ["No camera gave a view in any step: nothing was watched."] if content["blind"] else []
+    return [rows, cameras, *closing]

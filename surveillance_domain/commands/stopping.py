@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
 __all__ = ["Stop", "stop_when_asked", "until_stopped"]
+
+
+_TWICE_S = 1.0
+"""Two signals within so little time are one: some tools signal a process, and then its group once more."""
 
 
 class Stop:
@@ -34,13 +39,18 @@ class Stop:
 
 @contextmanager
 def stop_when_asked() -> Iterator[Stop]:
-    """For the main thread: SIGINT and SIGTERM ask for the end; the second one interrupts at once."""
+    """For the main thread: SIGINT and SIGTERM ask for the end; a second one, a moment later, interrupts at once."""
     stop = Stop()
+    asked_s = 0.0
 
     def ask(number: int, frame: FrameType | None) -> None:
-        if stop.asked:
+        nonlocal asked_s
+        now = time.monotonic()
+        if not stop.asked:
+            asked_s = now
+            stop.ask(signal.Signals(number))
+        elif now - asked_s >= _TWICE_S:
             raise KeyboardInterrupt
-        stop.ask(signal.Signals(number))
 
     before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
     try:

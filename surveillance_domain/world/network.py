@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, TypeVar
@@ -28,7 +29,7 @@ from surveillance_domain.world.base import Sighting
 from surveillance_domain.world.camera_report import CameraReport
 from surveillance_domain.world.eyes import Eyes, Look
 from surveillance_domain.world.parking import Parked, sent_home
-from surveillance_domain.world.yielding import Yielding, taken, watching
+from surveillance_domain.world.yielding import MOVED, Yielding, taken, watching
 
 __all__ = ["CameraReport", "NetworkWorld", "look_budget_s"]
 
@@ -172,7 +173,12 @@ class NetworkWorld:
                     node.yielding.let_go()
             elif self._moves and name in presets:
                 going[name] = _preset(node.description, presets[name])
-        tasks = {name: partial(self._turn, self._nodes[name], preset, self._due) for name, preset in going.items()}
+        tasks: dict[str, Callable[[], Move | None]] = {
+            name: partial(self._turn, self._nodes[name], preset, self._due) for name, preset in going.items()
+        }
+        for name, why in kept.items():
+            if why == MOVED:
+                tasks[name] = partial(self._follow, self._nodes[name], self._due)
         moves = self._together(tasks, self._due)
         for name, preset in going.items():
             self._nodes[name].sent(preset, moves.get(name))
@@ -245,6 +251,11 @@ class NetworkWorld:
 
     def _turn(self, node: _Node, preset: Preset, until: float) -> Move:
         return node.camera.move(_position(preset), until - self._clock.now())
+
+    def _follow(self, node: _Node, until: float) -> None:
+        """Where somebody moves it, told to who watches it; a look may be too short for its answer."""
+        with suppress(CameraError):
+            node.camera.position(until - self._clock.now())
 
     def _look(self, node: _Node, until: float) -> tuple[Look | CameraError, float]:
         """A look, or why there is none, and how long it took in seconds."""

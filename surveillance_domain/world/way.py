@@ -12,7 +12,7 @@ from itertools import permutations
 
 from surveillance_domain.cameras.base import ZOOM_TOLERANCE, Position
 
-__all__ = ["Speeds", "along", "places_on_the_way"]
+__all__ = ["Speeds", "along", "least_time_s", "places_on_the_way"]
 
 Speeds = tuple[float | None, float | None, float | None]
 """Of pan and tilt in degrees and of zoom in positions a second; ``None``: not known."""
@@ -49,19 +49,22 @@ def along(start: Position, goal: Position, position: Position, speeds: Speeds, t
 
 def places_on_the_way(start: Position, goal: Position, speeds: Speeds, within_s: float) -> Iterator[Position]:
     """Some positions in equal distances that a camera may have come to in a time, the start among them."""
-    longest_s = max(
-        (
-            abs(end - begin) / speed
-            for (begin, end, _, _), speed in zip(_axes(start, goal, start, 0.0), speeds, strict=False)
-            if speed is not None
-        ),
-        default=0.0,
-    )
+    longest_s = least_time_s(start, goal, speeds) or 0.0
     most = min(1.0, within_s / longest_s) if longest_s > 0 else 1.0
     for number in range(_PLACES):
         share = most * number / (_PLACES - 1)
         zoom = None if start.zoom is None or goal.zoom is None else start.zoom + share * (goal.zoom - start.zoom)
         yield Position(start.pan + share * (goal.pan - start.pan), start.tilt + share * (goal.tilt - start.tilt), zoom)
+
+
+def least_time_s(start: Position, goal: Position, speeds: Speeds) -> float | None:
+    """How long the way takes at least; ``None`` where no speed is known."""
+    times = [
+        abs(end - begin) / speed
+        for (begin, end, _, _), speed in zip(_axes(start, goal, start, 0.0), speeds, strict=False)
+        if speed is not None
+    ]
+    return max(times, default=None)
 
 
 def _axes(

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from surveillance_domain.cameras.base import Position
 from surveillance_domain.cameras.witness import MOVED, Witness
 from surveillance_domain.site.camera import Camera as CameraDescription
-from surveillance_domain.world.way import Speeds, along, places_on_the_way
+from surveillance_domain.world.way import Speeds, along, least_time_s, places_on_the_way
 
 __all__ = ["HELD", "MOVED", "Yielding", "taken", "watching"]
 
@@ -30,7 +30,10 @@ _LAG_S = 0.3
 """A position told may be that much older than the question."""
 _RENEWED_S = 60.0
 """Where it stands is taken anew that often: read-backs drift by degrees in hours."""
-_LEAST_STOP_S = 0.5
+_LEAST_PACE_S = 0.5
+"""Over which a camera's pace is measured, at least."""
+_CRAWL = 0.1
+"""A camera that goes slower than with this share of its speed does not go by itself."""
 _MOST_GOALS = 8
 _BESIDE = 2.0
 """Tolerances by which a camera that turns may be beside its way."""
@@ -62,10 +65,11 @@ class Yielding(Witness):
         self, tolerance_deg: float, yield_s: float, speeds: Speeds = (None, None, None), settle_s: float = 0.0
     ) -> None:
         self._tolerance_deg, self._yield_s, self._speeds = tolerance_deg, yield_s, speeds
-        self._stop_s = max(_LEAST_STOP_S, 2 * settle_s)
+        self._pace_s = max(_LEAST_PACE_S, 2 * settle_s)
         self._lock = threading.Lock()
         self._place: Position | None = None
         self._since, self._under_way = 0.0, False
+        self._mark: tuple[Position, float] | None = None
         self._asked: list[_Asked] = []
         self._last: Position | None = None
         self._last_s = 0.0
@@ -86,6 +90,7 @@ class Yielding(Witness):
         with self._lock:
             if self._place is None and not self._rebooted and self._last is not None:
                 self._stands(self._last, now_s)
+            self._mark = None
             kept = [one for one in self._asked if not one.goal.agrees(goal, self._tolerance_deg)]
             self._asked = [*kept[1 - _MOST_GOALS :], _Asked(goal, now_s)]
 
@@ -127,14 +132,15 @@ class Yielding(Witness):
             return True
         if self._arrived(position, now_s):
             return True
+        if self._crawls(position, asked_s, now_s):
+            return False
         if position.agrees(self._place, self._tolerance_deg):
-            if self._stopped_short(asked_s):
-                return False
             if not self._under_way and now_s - self._since >= _RENEWED_S:
                 self._stands(position, now_s)
             return True
         for number in self._goals_in_reach(position, now_s):
             self._stands(position, now_s, under_way=True)
+            self._mark = self._mark or (position, now_s)
             self._asked = [one for n, one in enumerate(self._asked) if n >= number or not one.accepted]
             return True
         return False
@@ -158,10 +164,19 @@ class Yielding(Witness):
     def _stands(self, position: Position, now_s: float, under_way: bool = False) -> None:
         self._place, self._since, self._under_way, self._rebooted = position, now_s, under_way, False
 
-    def _stopped_short(self, asked_s: float) -> bool:
-        """Whether it set off by our command and stands still before its goal."""
-        certain = bool(self._asked) and all(one.accepted for one in self._asked)
-        return self._under_way and certain and asked_s - self._since >= self._stop_s
+    def _crawls(self, position: Position, asked_s: float, now_s: float) -> bool:
+        """Whether it set off by our command and then goes on far too slowly, or stands still before its goal."""
+        if not self._under_way or not all(one.accepted for one in self._asked):
+            self._mark = None
+        if self._mark is None:
+            return False
+        marked, marked_s = self._mark
+        passed_s = asked_s - marked_s
+        if passed_s < self._pace_s:
+            return False
+        self._mark = (position, now_s)
+        gone_s = least_time_s(marked, position, self._speeds)
+        return position.agrees(marked, self._tolerance_deg) or (gone_s is not None and gone_s < _CRAWL * passed_s)
 
     def _goals_in_reach(self, position: Position, now_s: float) -> Iterator[int]:
         """The numbers of the goals on the way to which it can be.

@@ -201,7 +201,21 @@ def test_one_runs_others_are_refused_and_sigterm_parks_who_is_free(
             refused = surveillance(*words)
             assert refused.code == 2
             assert f"is being run already, by process {process.pid}; stop that one first" in refused.err
-        assert surveillance("hold", real.path, "north-east", "--json").json["held"] == ["north-east"]
+        copy = tmp_path / "copy.toml"
+        copy.write_text(real.path.read_text(encoding="utf-8"), encoding="utf-8")
+        for words in (("run", copy, "--steps", 1), ("park", copy), ("doctor", copy)):
+            refused = surveillance(*words)
+            assert refused.code == 2
+            assert "camera 'south-west'" in refused.err
+            assert (
+                f"is commanded already, by site {real.path} as camera 'south-west', process {process.pid}"
+                in refused.err
+            )
+        unheeded = surveillance("hold", copy, "north-east", "--json")
+        assert (unheeded.code, unheeded.json["heeded"]) == (0, False)
+        assert "No run is there to heed it" in unheeded.err
+        heeded = surveillance("hold", real.path, "north-east", "--json")
+        assert (heeded.json["held"], heeded.json["heeded"], heeded.err) == (["north-east"], True, "")
         done = sum(line["kind"] == "step" for line in read_record(record))
         until_recorded(record, process, done + 3)
         process.send_signal(signal.SIGTERM)
@@ -256,6 +270,39 @@ def test_ctrl_c_ends_a_shadow_after_the_step(real: Real, tmp_path: Path) -> None
     assert steps == list(range(1, json.loads(out)["steps"] + 1))
     assert commands == []
     assert real.pans() == before
+
+
+@pytest.mark.end_to_end
+def test_ctrl_c_while_it_starts_is_answered_all_the_same(real: Real) -> None:
+    """As ``timeout -s INT`` does it, which signals the process twice."""
+    real.turn(25.0)
+    for camera in real.emulation.cameras.values():
+        camera.faults.latency_s = 1.0  # so that getting to know them takes some seconds
+    with started("run", real.path, "--park", "--json") as process:
+        for _ in range(600):
+            if any(camera.questions for camera in real.emulation.cameras.values()):
+                break
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        process.send_signal(signal.SIGINT)
+        for camera in real.emulation.cameras.values():
+            camera.faults.latency_s = 0.0
+        out, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    found = json.loads(out)
+    assert (found["steps"], found["blind"]) == (0, False)
+    assert set(found["parked"].values()) == {'at "middle"'}
+    assert real.pans() == dict.fromkeys(real.pans(), pytest.approx(0.0))
+
+
+@pytest.mark.end_to_end
+def test_a_run_without_any_view_says_no(surveillance: Callable[..., Any], real: Real) -> None:
+    for camera in real.emulation.cameras.values():
+        camera.faults.wrong_password = True
+    found = surveillance("run", real.path, "--steps", 2, "--json")
+    assert (found.code, found.json["blind"], found.json["steps"]) == (1, True, 2)
+    assert "no camera gave a view: south-west: " in found.err
+    assert "refuses user 'operator'" in found.err
 
 
 @pytest.mark.end_to_end

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
@@ -159,3 +160,40 @@ def test_state_of_a_site(tmp_path: Path) -> None:
         pass
     with theirs.locked():
         pass
+
+
+@pytest.mark.example
+def test_a_camera_is_commanded_by_one_site_file_only(tmp_path: Path) -> None:
+    """Address and channel tell cameras apart: not how the address is written, nor what the site calls them."""
+    site = lego()
+    first, second = (
+        replace(site, cameras=(site.cameras[0].model_copy(update={"name": name, "url": url, "channel": channel}),))
+        for name, url, channel in (("south", "http://192.168.0.90", 1), ("yard", "https://192.168.0.90:443/", 1))
+    )
+    other = replace(first, cameras=(first.cameras[0].model_copy(update={"channel": 2}),))
+    mine, theirs, beside = (
+        WatchState(one, tmp_path / name) for one, name in ((first, "a"), (second, "b"), (other, "c"))
+    )
+    with mine.locked():
+        with beside.locked():
+            pass
+        with (
+            pytest.raises(
+                AlreadyRun,
+                match=r"camera 'yard' \(https://192.168.0.90:443/, channel 1\) is commanded already, by site \S+ as "
+                r"camera 'south', process \d+; stop that one first",
+            ),
+            theirs.locked(),
+        ):
+            pass
+    with theirs.locked():  # and the refused attempt left nothing locked
+        pass
+
+
+@pytest.mark.example
+def test_whether_a_hold_is_heeded(tmp_path: Path) -> None:
+    mine, theirs = WatchState(lego(), tmp_path), WatchState(lego(), tmp_path)
+    assert not mine.heeded()
+    with theirs.heeding(), mine.heeding():
+        assert mine.heeded()
+    assert not mine.heeded()

@@ -165,6 +165,65 @@ def test_somebody_at_the_joystick_is_left_alone_and_their_view_counts() -> None:
 
 
 @pytest.mark.end_to_end
+def test_somebody_who_moves_it_while_it_is_commanded_or_looked_through_is_left_alone() -> None:
+    """A look without a picture for it is no reason to forget where the camera was."""
+    with emulated_watch(lego(), 1, 1) as running:
+        running.world.move(ALL)
+        running.world.observe()
+        motors = running.emulation.cameras["south"].motors
+        motors.command({"pan": "10", "tilt": "-60"})
+        running.emulation.cameras["south"].faults.drop_share = 1.0
+        assert running.world.observe().views["south"] is None
+        running.emulation.cameras["south"].faults.drop_share = 0.0
+        running.world.move({**ALL, "south": "right"})
+        report = running.world.reports["south"]
+        assert (report.sent, report.outcome, report.because, report.fault) == (None, "", "moved by somebody else", "")
+        assert running.world.observe().held == {"south"}
+        assert motors.true()[:2] == pytest.approx((10.0, -60.0))
+        assert running.world.park()["south"].told == "left alone: moved by somebody else"
+
+
+@pytest.mark.end_to_end
+def test_a_slow_camera_is_told_so() -> None:
+    from surveillance_domain.cameras.mending import mend_of
+
+    with emulated_watch(lego(), 1, 1) as running:
+        running.emulation.cameras["south"].faults.latency_s = 1.2
+        for _ in range(3):
+            running.world.move(dict.fromkeys(ALL, "left"))
+            running.world.observe()
+            report = running.world.reports["south"]
+            assert report.because == "it answers in 1.2 s, where there are 1.5 s for all that is asked"
+            assert report.fault == "TooSlow"
+        assert "it answers, but too late" in mend_of(report.fault)
+        running.emulation.cameras["south"].faults.latency_s = 30.0
+        for _ in range(2):
+            running.world.move(dict.fromkeys(ALL, "left"))
+            running.world.observe()
+        assert running.world.reports["south"].fault == "CameraAway"
+
+
+@pytest.mark.end_to_end
+def test_a_camera_that_answers_again_is_no_longer_said_to_be_left_alone() -> None:
+    """When it should be turned it may not be asked for another half a second; when it is looked through it may."""
+    with emulated_watch(lego(), 1, 1) as running:
+        running.emulation.cameras["south"].faults.drop_share = 1.0
+        while running.world.reports["south"].health.state is HealthState.READY:
+            running.world.move(ALL)
+            running.world.observe()
+        running.emulation.cameras["south"].faults.drop_share = 0.0
+        returns_s = running.world.reports["south"].health.returns_s
+        assert returns_s is not None
+        running.clock.sleep(returns_s - running.clock.now() - 0.5)
+        running.world.move(ALL)
+        assert "left alone for another 1 s" in running.world.reports["south"].because
+        assert running.world.observe().views["south"] == "left"
+        report = running.world.reports["south"]
+        assert report.because == "not turned in this step: it had been left alone after failures, and answers again"
+        assert report.health.state is HealthState.READY
+
+
+@pytest.mark.end_to_end
 def test_a_held_camera_gets_no_command_until_it_is_released() -> None:
     held: list[str] = ["north-east"]
     with emulated_watch(lego(), 1, 1, held=lambda: tuple(held)) as running:

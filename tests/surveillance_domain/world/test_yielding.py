@@ -93,7 +93,20 @@ def test_still_before_its_goal_somebody_stopped_it() -> None:
     stop = Position(0.0, -30.0, 1.0)
     assert not told(one, stop, 1.4)
     assert not told(one, stop, 1.8)
-    assert told(one, stop, 2.0)
+    assert told(one, stop, 2.4)
+
+
+@pytest.mark.example
+@pytest.mark.parametrize(("deg_per_s", "yields"), [(5.0, True), (20.0, False)])
+def test_a_crawl_on_its_way_is_somebody_at_the_joystick(deg_per_s: float, yields: bool) -> None:
+    """At 100 degrees a second by the site; a fifth of that may be a camera that is slower than its data sheet."""
+    one = watched()
+    sent(one, RIGHT, 1.0)
+    assert [told(one, Position(0.0 + deg_per_s * s, -30.0, 1.0), 1.4 + s) for s in (0.0, 0.3, 0.6)] == [
+        False,
+        False,
+        yields,
+    ]
 
 
 @pytest.mark.example

@@ -149,7 +149,8 @@ class Yielding(Witness):
         """Whether it is where it was sent; what was asked before that is done then."""
         for number, one in reversed(list(enumerate(self._asked))):
             if position.agrees(one.goal, self._tolerance_deg):
-                self._stands(one.goal, now_s)
+                if self._under_way or self._place is None or not self._place.agrees(one.goal, self._tolerance_deg):
+                    self._stands(one.goal, now_s)
                 self._asked = [
                     other for n, other in enumerate(self._asked) if n != number and (n > number or not other.accepted)
                 ]

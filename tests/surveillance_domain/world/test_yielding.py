@@ -60,7 +60,22 @@ def test_slow_creeping_from_where_it_was_left_is_noticed() -> None:
 @pytest.mark.example
 def test_read_backs_that_drift_by_degrees_in_hours_are_ours() -> None:
     one = watched()
-    assert not any(told(one, Position(-40.0 + minute * 0.05, -30.0, 1.0), 60.0 * minute) for minute in range(1, 121))
+    for minute in range(1, 121):
+        assert not told(one, Position(-40.0 + minute * 0.05, -30.0, 1.0), 60.0 * minute)
+
+
+@pytest.mark.example
+def test_a_drift_is_corrected_by_the_next_command_and_is_nobodys() -> None:
+    """Every step asks for the left preset: nothing is sent while it agrees, and it is sent there once it does not."""
+    one, drift = watched(), 0.0
+    for minute in range(1, 121):
+        drift += 0.05
+        position = Position(-40.0 + drift, -30.0, 1.0)
+        assert not told(one, position, 60.0 * minute)
+        sent(one, LEFT, 60.0 * minute)
+        if not position.agrees(LEFT, 0.2):
+            drift = 0.0
+            assert not told(one, LEFT, 60.0 * minute + 1.0)
 
 
 @pytest.mark.example

@@ -4,20 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from factored_pomdp.commands.answers import (
-    COMMAND_LINE,
-    AsJson,
-    InputError,
-    answer,
-    checked_output,
-    side_console,
-    table,
-)
-from surveillance_domain.commands.options import Seed, input_checked
+from factored_pomdp.commands.answers import AsJson, InputError, answer, side_console
+from surveillance_domain.commands.options import Progress, Seed, input_checked
 from surveillance_domain.commands.recordings import (
     Columns,
     FastestMps,
@@ -26,26 +18,34 @@ from surveillance_domain.commands.recordings import (
     MaxGap,
     MetresPerUnit,
     conventions,
-    count_lines,
-    digest_of,
+    offset_of,
     read_tracks,
 )
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    import numpy as np
 
-    from surveillance_domain.trajectories.fitting import MotionFit
-    from surveillance_domain.trajectories.held_out import HeldOut
-    from surveillance_domain.trajectories.prior import CellPrior
+    from surveillance_domain.site.site import Site
+    from surveillance_domain.trajectories.learning import Learned
+    from surveillance_domain.trajectories.prior import PlacedPrior
+    from surveillance_domain.trajectories.staging import Placement
     from surveillance_domain.trajectories.tracks import Track, Tracks
 
 __all__ = ["learn"]
 
 _OFTEN_IMPOSSIBLE = 0.05
+_WORK = 3
+"""Reading is one part of so many."""
 
 
 def learn(
-    trajectories: Annotated[list[Path], typer.Argument(metavar="TRAJECTORIES…", help="Files of recorded people.")],
+    trajectories: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="TRAJECTORIES…",
+            help="Files of recorded people; FILE.toml beside a FILE, its sidecar, may say how that file is meant.",
+        ),
+    ],
     step_s: Annotated[float, typer.Option(help="Step of the model in seconds; the sigmas hold for it.")],
     cell_m: Annotated[float, typer.Option(help="Side of a planning cell in metres.")],
     frames_per_s: FramesPerS = None,
@@ -59,78 +59,89 @@ def learn(
     fastest_mps: FastestMps = 10.0,
     seed: Seed = 0,
     write: Annotated[
-        Path | None, typer.Option(metavar="SITE.toml", help="A site file whose sigmas and speeds are set to these.")
+        Path | None,
+        typer.Option(metavar="SITE.toml", help="A site file that gets these sigmas and speeds, and the placed prior."),
+    ] = None,
+    offset_m: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y", help="With --write: where in the site the recording's origin lies; 0,0: the same."),
+    ] = None,
+    rotate_deg: Annotated[
+        float | None, typer.Option(help="With --write: of the recording, counter-clockwise about its origin.")
     ] = None,
     picture: Annotated[
         Path | None, typer.Option(metavar="PNG", help="Predicted beside real displacements; an SVG beside it.")
     ] = None,
+    progress: Progress = None,
     as_json: AsJson = False,
 ) -> None:
     """Learn how people move: sigmas of direction and speed, a set of speeds, a prior, and how well they foretell."""
     import numpy as np
 
-    from surveillance_domain.trajectories.fitting import fit_motion
-    from surveillance_domain.trajectories.held_out import held_out_log_likelihood
-    from surveillance_domain.trajectories.prior import cell_prior
-    from surveillance_domain.trajectories.transitions import split_people, transitions
+    from surveillance_domain.commands.folder import ready_folder
+    from surveillance_domain.commands.learn_answer import carried, learned_content, shown_learned
+    from surveillance_domain.commands.learn_site import checked_site, write_learned
+    from surveillance_domain.commands.progress import progress_bar
+    from surveillance_domain.trajectories.learning import Wanted, learn_motion
 
     for name, value in (("--step-s", step_s), ("--cell-m", cell_m)):
         if not 0 < value < float("inf"):
             raise InputError(f"{name} {value:g}: expected a number above 0")
     if picture is not None and (picture.suffix.lower() not in (".png", ".svg") or picture.is_dir()):
         raise InputError(f"--picture {picture}: expected the name of a file that ends in .png")
-    if write is not None:
-        _check_site(write, step_s, cell_m)
+    files = list(dict.fromkeys(trajectories))
+    placement = _placement(offset_m, rotate_deg, write, len(files))
+    site = None if write is None else checked_site(write, step_s, cell_m, placement is not None)
     given = conventions(frames_per_s, metres_per_unit, homography, columns)
-    found = {path: read_tracks(path, given, max_gap_s, fastest_mps) for path in dict.fromkeys(trajectories)}
-    tracks = _together(found, step_s)
     if picture is not None:
-        checked_output("--picture", picture)
+        ready_folder(picture.parent)
     rng = np.random.default_rng(seed)
-    with input_checked():
-        everyone = transitions(tracks, step_s)
-        fit = fit_motion(everyone, speeds)
-        training, rest = split_people(tracks, held_out, rng)
-        judged_fit, judging = fit_motion(transitions(training, step_s), speeds), transitions(rest, step_s)
-        judged = held_out_log_likelihood(judged_fit, judging, cell_m, directions)
-        prior = cell_prior(everyone.points_m, cell_m) if len(found) == 1 else None
-    content = _content(found, tracks, fit, judged, prior, directions, seed) | {
-        "steps": len(everyone.moves_mps),
-        "turns": len(everyone.turns_rad),
-    }
+    size = sum(path.stat().st_size for path in files if path.is_file())
+    with progress_bar("reading", _WORK * size, progress) as advance:
+        found = {path: read_tracks(path, given, max_gap_s, fastest_mps, advance) for path in files}
+        tracks = _together(found, step_s)
+        wanted = Wanted(step_s, cell_m, speeds, directions, held_out, prior=len(files) == 1)
+        with input_checked():
+            learned = learn_motion(
+                tracks, wanted, rng, lambda share, doing: advance(round(share * (_WORK - 1) * size), doing)
+            )
+            placed = None if site is None or placement is None else _placed(learned, site, placement)
+    content = learned_content(found, learned, wanted, placed)
     written = []
     if picture is not None:
-        written += _draw(judged_fit, judging, picture, [path.name for path in found], rng)
-    if write is not None:
-        written.append(str(_write(write, fit)))
-    content["written"] = written
-    if judged.impossible > _OFTEN_IMPOSSIBLE:
-        side_console().print(
-            f"{judged.impossible:.0%} of the held-out steps end, in part, in cells that {directions} directions and "
-            f"{len(fit.speeds_mps)} speeds on cells of {cell_m:g} m cannot reach: "
-            "take more directions, larger cells or shorter steps",
-            style="yellow",
-            soft_wrap=True,
+        written += _draw(learned, picture, [path.name for path in files], rng)
+    if write is not None and site is not None:
+        written += write_learned(write, site, learned.fit, placed)
+        if placed is None:
+            _tell_of_prior(write, len(files))
+    if learned.judged.impossible > _OFTEN_IMPOSSIBLE:
+        _warn(
+            f"{learned.judged.impossible:.0%} of the held-out steps end, in part, in cells that {directions} "
+            f"directions and {len(learned.fit.speeds_mps)} speeds on cells of {cell_m:g} m cannot reach: "
+            "take more directions, larger cells or shorter steps"
         )
-    answer(content, _shown(content, written), as_json=as_json)
+    content |= {"written": written, **carried(found, seed)}
+    answer(content, shown_learned(content, learned.prior, placed), as_json=as_json)
 
 
-def _check_site(path: Path, step_s: float, cell_m: float) -> None:
-    """Refuse to write sigmas of one step into a site of another, before long work begins."""
-    from surveillance_domain.site.load import load_site
+def _warn(text: str) -> None:
+    side_console().print(text, style="yellow", soft_wrap=True)
 
-    if not path.is_file():
-        raise InputError(f"--write {path}: no such file; expected a site file that is there already")
-    with input_checked():
-        site = load_site(path)
-    if abs(site.control.step_s - step_s) > 1e-9:
+
+def _placement(offset_m: str | None, rotate_deg: float | None, write: Path | None, files: int) -> Placement | None:
+    """Where the recording lies in the site, if it was said."""
+    from surveillance_domain.trajectories.staging import Placement
+
+    if offset_m is None and rotate_deg is None:
+        return None
+    if write is None:
+        raise InputError("--offset-m and --rotate-deg place the recording into a site: expected --write SITE.toml too")
+    if files > 1:
         raise InputError(
-            f"--write {path}: its control.step_s is {site.control.step_s:g}, and sigmas hold for one step of "
-            f"--step-s {step_s:g}; learn with --step-s {site.control.step_s:g}"
+            f"--offset-m and --rotate-deg with {files} files, each in a frame of its own: expected one file, whose "
+            "people tell where in the site they are"
         )
-    if abs(site.grid.cell_m - cell_m) > 1e-9:
-        told = f"{path}: its cells are {site.grid.cell_m:g} m; the likelihoods on the grid are for {cell_m:g} m"
-        side_console().print(told, style="yellow", soft_wrap=True)
+    return Placement((0.0, 0.0) if offset_m is None else offset_of(offset_m), rotate_deg or 0.0)
 
 
 def _together(found: Mapping[Path, Tracks], step_s: float) -> list[Track]:
@@ -144,70 +155,47 @@ def _together(found: Mapping[Path, Tracks], step_s: float) -> list[Track]:
     from dataclasses import replace
 
     tracks: list[Track] = []
-    for number, (path, one) in enumerate(found.items()):
+    for path, one in found.items():
         if step_s < one.frame_s * (1 - 1e-6):
             raise InputError(f"{path}: recorded every {one.frame_s:.3g} s; expected a --step-s no shorter than that")
-        tracks += [replace(track, name=f"{number}:{track.name}") for track in one.tracks]
+        tracks += [replace(track, name=f"{track.name} of {path}") for track in one.tracks]
     if len({track.name for track in tracks}) < 2:
         raise InputError(f"{', '.join(map(str, found))}: one person alone; expected two or more, one to be held out")
     return tracks
 
 
-def _content(
-    found: Mapping[Path, Tracks],
-    tracks: Sequence[Track],
-    fit: MotionFit,
-    judged: HeldOut,
-    prior: CellPrior | None,
-    directions: int,
-    seed: int,
-) -> dict[str, Any]:
-    from functools import reduce
-    from operator import add
+def _placed(learned: Learned, site: Site, placement: Placement) -> PlacedPrior:
+    """The prior in the site; what was not counted is told."""
+    from surveillance_domain.trajectories.prior import placed_prior
 
-    from factored_pomdp.provenance import provenance
-    from surveillance_domain.commands.folder import finite
-
-    carried = provenance(COMMAND_LINE.get(), {str(path): digest_of(path) for path in found}, seed)
-    return {
-        "sigma_direction_deg": fit.sigma_direction_deg,
-        "sigma_speed_mps": fit.sigma_speed_mps,
-        "mean_speed_mps": fit.mean_speed_mps,
-        "speeds": list(fit.speeds_mps),
-        "trajectories": len({track.name for track in tracks}),
-        "step_s": fit.step_s,
-        "held_out_log_likelihood": judged.model,
-        "held_out": {
-            "unit": "nats a step, of the cell of the next position",
-            "model": judged.model,
-            "on_grid": judged.on_grid,
-            "random_walk": judged.random_walk,
-            "constant_velocity": judged.constant_velocity,
-            "model_over_random_walk_ci95": [finite(end) for end in judged.over_random_walk],
-            "model_over_constant_velocity_ci95": [finite(end) for end in judged.over_constant_velocity],
-            "steps": judged.steps,
-            "trajectories": judged.people,
-            "directions": directions,
-            "impossible_on_grid": judged.impossible,
-        },
-        "prior": None
-        if prior is None
-        else {"origin_m": prior.origin_m, "cell_m": prior.cell_m, "rows_from_below": prior.probability.tolist()},
-        "counts": reduce(add, (one.counts for one in found.values())).as_dict(),
-        "recorded_every_s": {str(path): one.frame_s for path, one in found.items()},
-        "warnings": [f"{path}: {warning}" for path, one in found.items() for warning in one.warnings],
-        **carried,
-        "provenance": carried,
-    }
+    prior = placed_prior(learned.everyone.points_m, site.grid, placement)
+    if prior.off_map or prior.in_walls:
+        total = prior.points + prior.off_map + prior.in_walls
+        _warn(
+            f"prior: {prior.off_map:,} of {total:,} positions fall off the map and {prior.in_walls:,} into walls, and "
+            "are not counted; is the recording placed rightly (--offset-m, --rotate-deg)?"
+        )
+    return prior
 
 
-def _draw(fit: MotionFit, judging: Any, picture: Path, names: Sequence[str], rng: Any) -> list[str]:
+def _tell_of_prior(write: Path, files: int) -> None:
+    because = (
+        f"{files} recordings have no common frame: learn it from one of them"
+        if files > 1
+        else "where the recording lies in the site was not said: give --offset-m X,Y and --rotate-deg R "
+        "(--offset-m 0,0 if both have the same frame)"
+    )
+    _warn(f"{write}: the prior over cells was not written, since {because}")
+
+
+def _draw(learned: Learned, picture: Path, names: Sequence[str], rng: np.random.Generator) -> list[str]:
     import numpy as np
 
-    from surveillance_domain.pictures.motion_fit import FittedMotion, draw_motion_fit
+    from surveillance_domain.pictures.motion_fit import FittedMotion, SeenWhere, draw_motion_fit
     from surveillance_domain.pictures.style import save_figure
     from surveillance_domain.trajectories.transitions import STILL_MPS
 
+    fit, judging, prior = learned.judged_fit, learned.judging, learned.prior
     fitted = FittedMotion(
         before_m=judging.before_m,
         after_m=judging.after_m,
@@ -219,41 +207,12 @@ def _draw(fit: MotionFit, judging: Any, picture: Path, names: Sequence[str], rng
         step_s=fit.step_s,
         still_mps=STILL_MPS,
     )
-    figure = draw_motion_fit(fitted, f"Learned from {', '.join(names)}, judged by people held out", rng)
+    everybody = learned.fit
+    note = (
+        "The curves were learned without the people held out. Reported, from everybody: σ direction "
+        f"{everybody.sigma_direction_deg:.2f}°, σ speed {everybody.sigma_speed_mps:.3f} m/s, speeds "
+        f"{', '.join(f'{speed:g}' for speed in everybody.speeds_mps)} m/s"
+    )
+    where = None if prior is None else SeenWhere(prior.origin_m, prior.cell_m, prior.probability)
+    figure = draw_motion_fit(fitted, f"Learned from {', '.join(names)}", rng, note, where)
     return [str(path) for path in save_figure(figure, picture)]
-
-
-def _write(path: Path, fit: MotionFit) -> Path:
-    """Set the learned keys of ``[targets]`` and leave everything else in the file as it is."""
-    import tomlkit
-
-    from surveillance_domain.site.editing import edited_site
-
-    with input_checked((ValueError, OSError)), edited_site(path) as document:
-        targets: Any = document.setdefault("targets", tomlkit.table())
-        targets["speeds_mps"] = [round(speed, 3) for speed in fit.speeds_mps]
-        targets["sigma_direction_deg"] = round(fit.sigma_direction_deg, 3)
-        targets["sigma_speed_mps"] = round(fit.sigma_speed_mps, 4)
-    return path
-
-
-def _shown(content: Mapping[str, Any], written: Sequence[str]) -> list[RenderableType]:
-    rows = table("learned", "found", right=["found"])
-    rows.add_row("sigma of the direction, a step", f"{content['sigma_direction_deg']:.2f}°")
-    rows.add_row("sigma of the speed, a step", f"{content['sigma_speed_mps']:.3f} m/s")
-    rows.add_row("speeds", ", ".join(f"{speed:g}" for speed in content["speeds"]) + " m/s")
-    rows.add_row("mean speed", f"{content['mean_speed_mps']:.3f} m/s")
-    rows.add_row("people; steps", f"{content['trajectories']:,}; {content['steps']:,}")
-    for name, number in count_lines(content["counts"]):
-        rows.add_row(f"  {name}", number)
-    judged = content["held_out"]
-    heading = f"held out: {judged['trajectories']} people, {judged['steps']:,} steps"
-    scores = table(heading, "nats a step", right=["nats a step"])
-    scores.add_row("velocity-direction model", f"{judged['model']:.3f}")
-    scores.add_row(f"the same on the grid, {judged['directions']} directions", f"{judged['on_grid']:.3f}")
-    scores.add_row("random walk", f"{judged['random_walk']:.3f}")
-    scores.add_row("constant velocity", f"{judged['constant_velocity']:.3f}")
-    shown: list[RenderableType] = [rows, scores]
-    if written:
-        shown.append(f"Written: {', '.join(written)}")
-    return shown

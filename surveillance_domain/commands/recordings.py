@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,15 +23,21 @@ __all__ = [
     "HomographyFile",
     "MaxGap",
     "MetresPerUnit",
+    "OffsetM",
+    "RotateDeg",
     "conventions",
     "count_lines",
     "digest_of",
+    "offset_of",
     "read_tracks",
 ]
 
 FramesPerS = Annotated[
     float | None,
-    typer.Option(help="Frames a second (ETH 15, UCY 25); not needed with TrajNet++, or with a column time_s."),
+    typer.Option(
+        help="Of all files (ETH 15, UCY 25); not needed with TrajNet++, or with a column time_s. For one file alone: "
+        "the line frames_per_s = 15 in its sidecar, FILE.toml beside FILE."
+    ),
 ]
 MetresPerUnit = Annotated[float | None, typer.Option(help="Where positions are not metres: how long a pixel … is.")]
 HomographyFile = Annotated[
@@ -43,6 +49,10 @@ Columns = Annotated[
     typer.Option(metavar="NAME=HEADER,…", help="Of a CSV file: frame or time_s, id, x, y, and their headers."),
 ]
 MaxGap = Annotated[float, typer.Option("--max-gap-s", help="Longer gaps are not filled; the track is cut there.")]
+OffsetM = Annotated[
+    str, typer.Option("--offset-m", metavar="X,Y", help="Where in the site the recording's origin comes to lie.")
+]
+RotateDeg = Annotated[float, typer.Option("--rotate-deg", help="Of the recording, counter-clockwise about its origin.")]
 FastestMps = Annotated[float, typer.Option("--fastest-mps", help="Faster moves are jumps; the track is cut there.")]
 
 
@@ -76,8 +86,30 @@ def _columns(text: str | None) -> dict[str, str] | None:
     return {key.strip(): header.strip() for key, _, header in pairs}
 
 
-def read_tracks(path: Path, given: Conventions, max_gap_s: float, fastest_mps: float) -> Tracks:
-    """A file's tracks; what looks wrong but was taken as it stands is told on standard error.
+def offset_of(text: str) -> tuple[float, float]:
+    """A point such as ``3.5,-2``.
+
+    Raises
+    ------
+    InputError
+        For anything else.
+    """
+    from surveillance_domain.trajectories.rows import number_of
+
+    numbers = [number for number in map(number_of, text.split(",")) if number is not None]
+    if len(numbers) != 2 or text.count(",") != 1:
+        raise InputError(f"--offset-m {text}: expected two numbers, such as 3.5,-2")
+    return numbers[0], numbers[1]
+
+
+def read_tracks(
+    path: Path,
+    given: Conventions,
+    max_gap_s: float,
+    fastest_mps: float,
+    advance: Callable[[int, str], object] | None = None,
+) -> Tracks:
+    """A file's tracks; what looks wrong, and what was wrong and dealt with, is told on standard error.
 
     Raises
     ------
@@ -90,15 +122,16 @@ def read_tracks(path: Path, given: Conventions, max_gap_s: float, fastest_mps: f
     if not (max_gap_s >= 0 and fastest_mps > 0):
         raise InputError(f"--max-gap-s {max_gap_s:g}, --fastest-mps {fastest_mps:g}: expected 0 or more, and above 0")
     with input_checked():
-        found = load_tracks(path, given, Limits(max_gap_s, fastest_mps))
-    for warning in found.warnings:
+        found = load_tracks(path, given, Limits(max_gap_s, fastest_mps), advance)
+    for warning in (*found.warnings, *(finding.message for finding in found.findings)):
         side_console().print(f"{path}: {warning}", style="yellow", soft_wrap=True)
     return found
 
 
 def digest_of(path: Path) -> str:
     """SHA-256 of a file's bytes."""
-    return f"sha256:{hashlib.sha256(path.read_bytes()).hexdigest()}"
+    with path.open("rb") as file:
+        return f"sha256:{hashlib.file_digest(file, 'sha256').hexdigest()}"
 
 
 def count_lines(counts: Mapping[str, int]) -> list[tuple[str, str]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -28,9 +29,12 @@ from surveillance_domain.commands.recordings import (
     HomographyFile,
     MaxGap,
     MetresPerUnit,
+    OffsetM,
+    RotateDeg,
     conventions,
     count_lines,
     digest_of,
+    offset_of,
     read_tracks,
 )
 from surveillance_domain.commands.run_answer import measured, shown_runs, write_run
@@ -49,14 +53,18 @@ __all__ = ["replay"]
 
 def replay(
     site: SiteName,
-    trajectories: Annotated[Path, typer.Argument(metavar="TRAJECTORIES", help="A file of recorded people.")],
+    trajectories: Annotated[
+        Path,
+        typer.Argument(
+            metavar="TRAJECTORIES",
+            help="A file of recorded people; FILE.toml beside it, its sidecar, may say how it is meant.",
+        ),
+    ],
     controller: Annotated[
         str, typer.Option(help="pomdp, mp, msp, sys, stat, full-information, clairvoyant.")
     ] = "pomdp",
-    offset_m: Annotated[
-        str, typer.Option(metavar="X,Y", help="Where in the site the recording's origin comes to lie.")
-    ] = "0,0",
-    rotate_deg: Annotated[float, typer.Option(help="Of the recording, counter-clockwise about its origin.")] = 0.0,
+    offset_m: OffsetM = "0,0",
+    rotate_deg: RotateDeg = 0.0,
     frames_per_s: FramesPerS = None,
     metres_per_unit: MetresPerUnit = None,
     homography: HomographyFile = None,
@@ -86,7 +94,7 @@ def replay(
     (name, *others) = read_controllers(controller)
     if others:
         raise InputError(f"--controller {controller}: expected one controller")
-    placement = Placement(_point(offset_m), rotate_deg)
+    placement = Placement(offset_of(offset_m), rotate_deg)
     given = conventions(frames_per_s, metres_per_unit, homography, columns)
     changed = overrides(option, detection_probability, cell_noise_m)
     with input_checked():
@@ -123,6 +131,7 @@ def replay(
         },
         "counts": tracks.counts.as_dict(),
         "warnings": list(tracks.warnings),
+        "faults": [asdict(finding) for finding in tracks.findings],
         "interrupted": interrupted,
     }
     content |= _carried(found, trajectories, seed)
@@ -160,15 +169,6 @@ def _watched(
         except KeyboardInterrupt:
             return done, recording, first, True
     return done, recording, first, False
-
-
-def _point(text: str) -> tuple[float, float]:
-    from surveillance_domain.trajectories.rows import number_of
-
-    numbers = [number for number in map(number_of, text.split(",")) if number is not None]
-    if len(numbers) != 2 or text.count(",") != 1:
-        raise InputError(f"--offset-m {text}: expected two numbers, such as 3.5,-2")
-    return numbers[0], numbers[1]
 
 
 def _comings(pieces: Sequence[Stage]) -> dict[str, int]:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["FittedMotion", "draw_motion_fit"]
+__all__ = ["FittedMotion", "SeenWhere", "draw_motion_fit"]
 
 _BLUE, _VERMILLION = CAMERA_COLOURS[:2]
 _BINS = 60
@@ -51,16 +51,60 @@ class FittedMotion:
     still_mps: float
 
 
+@dataclass(frozen=True, eq=False)
+class SeenWhere:
+    """Share of the time that people spend in each cell.
+
+    Attributes
+    ----------
+    origin_m : (float, float)
+        Lower-left corner.
+    cell_m : float
+    probability : (rows, columns) float
+        Row 0 is the lowest.
+    """
+
+    origin_m: tuple[float, float]
+    cell_m: float
+    probability: Float[np.ndarray, "rows columns"]
+
+
 @styled
-def draw_motion_fit(fitted: FittedMotion, title: str, rng: np.random.Generator) -> Figure:
-    """Four panels; ``rng`` draws what the model predicts."""
-    figure = new_figure(7.6, 6.4)
-    axes = figure.subplots(2, 2)
+def draw_motion_fit(
+    fitted: FittedMotion, title: str, rng: np.random.Generator, note: str = "", where: SeenWhere | None = None
+) -> Figure:
+    """Four panels, and a fifth of where people were; ``rng`` draws what the model predicts, ``note`` stands below."""
+    figure = new_figure(7.6 if where is None else 11.4, 6.4)
+    panels: Any = figure.add_gridspec(2, 2 if where is None else 3)
+    axes = np.array([[figure.add_subplot(panels[row, column]) for column in (0, 1)] for row in (0, 1)])
     _draw_displacements(axes[0], fitted, rng)
     _draw_turns(axes[1, 0], fitted)
     _draw_speeds(axes[1, 1], fitted)
+    if where is not None:
+        _draw_where(figure.add_subplot(panels[:, 2]), where)
     figure.suptitle(title)
+    if note:
+        figure.supxlabel(note, fontsize=8)
     return figure
+
+
+def _draw_where(axes: Axes, where: SeenWhere) -> None:
+    """Percent of the time in each cell; a light cell is one that people hardly enter."""
+    from matplotlib.colors import PowerNorm
+
+    rows, columns = where.probability.shape
+    (left, bottom), side = where.origin_m, where.cell_m
+    percent = 100 * where.probability
+    shown = axes.imshow(
+        percent,
+        origin="lower",
+        extent=(left, left + columns * side, bottom, bottom + rows * side),
+        cmap="Blues",
+        norm=PowerNorm(0.5, 0, percent.max()),
+        interpolation="nearest",
+    )
+    axes.set(title=f"where people are: prior, cells of {side:g} m", xlabel="x (m)", ylabel="y (m)")
+    axes.figure.colorbar(shown, ax=axes, label="percent of the time", shrink=0.4)
 
 
 def _draw_displacements(axes: Any, fitted: FittedMotion, rng: np.random.Generator) -> None:
@@ -152,7 +196,7 @@ def _draw_turns(axes: Axes, fitted: FittedMotion) -> None:
     around = angles[:, None] + 360.0 * np.arange(-4, 5)
     sigma = max(fitted.sigma_direction_deg, 1e-3)
     density = np.exp(-0.5 * (around / sigma) ** 2).sum(axis=1) / (sigma * np.sqrt(2 * np.pi))
-    axes.plot(angles, density, color=_VERMILLION, linewidth=1.6, label=f"wrapped Gaussian, σ = {sigma:.1f}°")
+    axes.plot(angles, density, color=_VERMILLION, linewidth=1.6, label=f"learned, σ = {sigma:.2f}°")
     axes.set_xlabel("turn in one step (degrees)")
     axes.set_ylabel("density (1/degree)")
     _finish(axes)
@@ -169,7 +213,7 @@ def _draw_speeds(axes: Axes, fitted: FittedMotion) -> None:
         label="real, held out",
     )
     for number, speed in enumerate(fitted.speed_set_mps):
-        label = "set of speeds, ± σ of one step" if number == 0 else None
+        label = "learned speeds, ± σ of a step" if number == 0 else None
         axes.axvline(speed, color=_VERMILLION, linewidth=1.6, linestyle=(0, (5, 2)), label=label)
         axes.axvspan(
             max(speed - fitted.sigma_speed_mps, 0), speed + fitted.sigma_speed_mps, color=_VERMILLION, alpha=0.10

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from surveillance_domain.trajectories.cleaning import Limits, cleaned
@@ -12,7 +13,12 @@ from surveillance_domain.trajectories.tracks import Tracks
 __all__ = ["load_tracks"]
 
 
-def load_tracks(path: Path | str, given: Conventions | None = None, limits: Limits | None = None) -> Tracks:
+def load_tracks(
+    path: Path | str,
+    given: Conventions | None = None,
+    limits: Limits | None = None,
+    advance: Callable[[int, str], object] | None = None,
+) -> Tracks:
     """Tracks in metres and seconds.
 
     Parameters
@@ -22,6 +28,8 @@ def load_tracks(path: Path | str, given: Conventions | None = None, limits: Limi
     given : Conventions, optional
         Goes before what the file's sidecar says.
     limits : Limits, optional
+    advance : callable, optional
+        Told how many more characters have been read, and what is being done.
 
     Raises
     ------
@@ -30,5 +38,8 @@ def load_tracks(path: Path | str, given: Conventions | None = None, limits: Limi
     """
     path = Path(path)
     conventions = with_sidecar(path, given or Conventions())
-    rows = read_rows(path, conventions.form, conventions.columns)
+    told = advance or (lambda amount, doing: None)
+    reading = f"reading {path.name}"
+    rows = read_rows(path, conventions.form, conventions.columns, lambda amount: told(amount, reading))
+    told(0, f"finding tracks in {path.name}")
     return cleaned(rows, conventions, limits or Limits(), str(path))

@@ -17,7 +17,7 @@ from surveillance_domain.site.grid import Grid
 from surveillance_domain.trajectories.resampling import resampled
 from surveillance_domain.trajectories.tracks import Track
 
-__all__ = ["Placement", "Stage", "staged", "windows"]
+__all__ = ["Placement", "Stage", "nobody_on_map", "on_free_cells", "staged", "windows"]
 
 _WITHIN_CELLS = 1e-6
 
@@ -94,22 +94,27 @@ def staged(tracks: Sequence[Track], grid: Grid, placement: Placement, step_s: fl
             path[first : first + len(stepped.times_s), column[track.name]] = placement.placed(stepped.points_m)
     known = np.isfinite(path[..., 0])
     points = path[known]
-    placed, off_map, in_walls, moved = _on_free_cells(points, grid)
+    placed, off_map, in_walls, moved = on_free_cells(points, grid)
     path[known] = placed
     there = np.isfinite(path[..., 0]).any(axis=0)
     if not there.any():
-        low, high = (", ".join(f"{x:.1f}" for x in end) for end in (points.min(axis=0), points.max(axis=0)))
-        right, top = np.array(grid.origin_m) + grid.cell_m * np.array([grid.columns, grid.rows])
-        raise ValueError(
-            f"nobody is ever on the map: people are between ({low}) and ({high}) m, the map between "
-            f"({grid.origin_m[0]:.1f}, {grid.origin_m[1]:.1f}) and ({right:.1f}, {top:.1f}) m; "
-            "give --offset-m and --rotate-deg"
-        )
+        raise nobody_on_map(points, grid)
     people = tuple(name for name, is_there in zip(names, there, strict=True) if is_there)
     return Stage(people, path[:, there], step_s, off_map, in_walls, moved)
 
 
-def _on_free_cells(
+def nobody_on_map(points: Float[np.ndarray, "points 2"], grid: Grid) -> ValueError:
+    """What is wrong with a placement that puts nobody on the map: where people are instead."""
+    low, high = (", ".join(f"{x:.1f}" for x in end) for end in (points.min(axis=0), points.max(axis=0)))
+    right, top = np.array(grid.origin_m) + grid.cell_m * np.array([grid.columns, grid.rows])
+    return ValueError(
+        f"nobody is ever on the map: people are between ({low}) and ({high}) m, the map between "
+        f"({grid.origin_m[0]:.1f}, {grid.origin_m[1]:.1f}) and ({right:.1f}, {top:.1f}) m; "
+        "give --offset-m and --rotate-deg"
+    )
+
+
+def on_free_cells(
     points: Float[np.ndarray, "points 2"], grid: Grid
 ) -> tuple[Float[np.ndarray, "points 2"], int, int, int]:
     """The points, nan where they are outside; and how many were off the map, in walls, and moved out of walls."""

@@ -51,7 +51,7 @@ def test_wrong_input_is_refused(surveillance: Callable[..., Any], case: str) -> 
 
 
 @pytest.mark.end_to_end
-@pytest.mark.parametrize("words", [("simulate", "tiny", "--runs", "1"), ("compare", "tiny"), ("coverage", "tiny")])
+@pytest.mark.parametrize("words", [("simulate", "tiny", "--runs", "1"), ("compare", "tiny")])
 def test_a_place_that_cannot_be_written_is_found_first(
     surveillance: Callable[..., Any], tmp_path: Path, words: tuple[str, ...]
 ) -> None:

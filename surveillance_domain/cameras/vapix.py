@@ -111,6 +111,7 @@ class VapixCamera:
             If the camera cannot be asked.
         """
         with self._lock:
+            self._budget_s = budget_s
             limits = self._read_limits(self._clock.now() + budget_s)
             faults = [f'"{p.name}": {fault}' for p in self.description.presets for fault in limits.faults(_of(p))]
             if faults:
@@ -120,7 +121,7 @@ class VapixCamera:
     def start(self, budget_s: float) -> Limits:
         """Read the limits (see `read_limits`, and what it raises), and find out in which size pictures come."""
         with self._lock:
-            until, self._budget_s = self._clock.now() + budget_s, budget_s
+            until = self._clock.now() + budget_s
             limits = self.read_limits(budget_s)
             self._probe_resolution(until)
             return limits

@@ -98,7 +98,7 @@ def test_a_sick_camera_costs_its_own_view_only_and_returns(fault: str, value: An
         report = running.world.reports["south"]
         assert report.because
         assert "south" not in report.because + report.health.because  # who it is stands beside it
-        assert report.fault in {"Unreachable", "TooLate", "CameraAway", "LoginRefused"}
+        assert report.fault in {"Unreachable", "Overloaded", "TooSlow", "CameraAway", "LoginRefused"}
         setattr(faults, fault, type(value)())
         running.clock.sleep(700.0)  # longer than it is left alone for, whatever the fault
         for _ in range(3):

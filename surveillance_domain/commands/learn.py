@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["learn"]
 
 _OFTEN_IMPOSSIBLE = 0.05
+_FEW_SPEEDS = 5
 _WORK = 3
 """Reading is one part of so many."""
 
@@ -207,11 +208,13 @@ def _draw(learned: Learned, picture: Path, names: Sequence[str], rng: np.random.
         step_s=fit.step_s,
         still_mps=STILL_MPS,
     )
-    everybody = learned.fit
+    reported = learned.fit
+    few = len(reported.speeds_mps) <= _FEW_SPEEDS
     note = (
-        "The curves were learned without the people held out. Reported, from everybody: σ direction "
-        f"{everybody.sigma_direction_deg:.2f}°, σ speed {everybody.sigma_speed_mps:.3f} m/s, speeds "
-        f"{', '.join(f'{speed:g}' for speed in everybody.speeds_mps)} m/s"
+        "The curves were learned without the people held out.\n"
+        f"Reported, from everybody: σ of the direction {reported.sigma_direction_deg:.2f}°, "
+        f"of the speed {reported.sigma_speed_mps:.3f} m/s"
+        + (f", speeds {', '.join(f'{speed:g}' for speed in reported.speeds_mps)} m/s" if few else "")
     )
     where = None if prior is None else SeenWhere(prior.origin_m, prior.cell_m, prior.probability)
     figure = draw_motion_fit(fitted, f"Learned from {', '.join(names)}", rng, note, where)

@@ -146,12 +146,12 @@ def _scores(
 
 def _interval(gains: Float[np.ndarray, " pairs"], people: Int[np.ndarray, " pairs"]) -> tuple[float, float]:
     """95 % interval of the mean, the steps of one person being as dependent as they like."""
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
     mean = float(gains.mean())
     sums = np.bincount(people, weights=gains - mean)[np.unique(people)]
     if len(sums) < 2:
         return -math.inf, math.inf
     error = math.sqrt(float((sums**2).sum()) * len(sums) / (len(sums) - 1)) / len(gains)
-    half = float(t.ppf(0.975, len(sums) - 1)) * error
+    half = float(stdtrit(len(sums) - 1, 0.975)) * error
     return mean - half, mean + half

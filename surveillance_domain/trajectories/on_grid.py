@@ -39,7 +39,7 @@ def check_grid_model(fit: MotionFit, pairs: Transitions, cell_m: float, directio
         return
     enough = cell_m
     while numbers(enough) > _MOST_NUMBERS:
-        enough *= 1.25
+        enough *= 1.05
     window = 2 * reach_of(fit, pairs, cell_m) + 1
     raise ValueError(
         f"cells of {cell_m:g} m: the model on the grid would be a table of {directions + 1} x {len(fit.speeds_mps)} x "

@@ -10,7 +10,7 @@ import pytest
 from surveillance_domain.model.parameters import MotionParameters
 from surveillance_domain.site.grid import Grid
 from surveillance_domain.trajectories.fitting import MotionFit, fit_motion, speed_set, wrapped_gaussian_sigma
-from surveillance_domain.trajectories.held_out import held_out_log_likelihood
+from surveillance_domain.trajectories.held_out import held_out_log_likelihood, verdict
 from surveillance_domain.trajectories.prior import cell_prior
 from surveillance_domain.trajectories.tracks import Track
 from surveillance_domain.trajectories.transitions import Transitions, split_people, transitions
@@ -154,3 +154,42 @@ def test_the_prior_counts_visits() -> None:
     prior = cell_prior(np.array([[-0.5, 0.5], [-0.4, 0.5], [1.5, 1.5]]), 1.0, smoothing=0.5)
     assert prior.origin_m == (-1.0, 0.0)
     assert (prior.probability * 6).tolist() == [[2.5, 0.5, 0.5], [0.5, 0.5, 1.5]]
+
+
+@pytest.mark.example
+def test_one_speed_is_the_mean_and_twenty_are_no_more_than_there_are() -> None:
+    speeds = np.array([0.5, 1.0, 1.5, 1.6])
+    assert speed_set(speeds, 1) == (1.15,)
+    assert speed_set(speeds, 4) == speed_set(speeds, 20) == (0.5, 1.0, 1.5, 1.6)
+    many = np.random.default_rng(0).gamma(9.0, 0.15, 500)
+    assert len(speed_set(many, 20)) == 20
+    assert speed_set(np.full(9, 1.2), 1) == (1.2,)
+
+
+@pytest.mark.example
+@pytest.mark.parametrize(
+    ("gain", "told"), [((0.1, 0.2), "better"), ((-0.2, -0.1), "worse"), ((-0.1, 0.2), "undecided")]
+)
+def test_an_interval_that_holds_zero_decides_nothing(gain: tuple[float, float], told: str) -> None:
+    assert verdict(gain) == told
+
+
+@pytest.mark.example
+def test_cells_too_small_to_be_judged_on_are_refused_with_the_size() -> None:
+    moves = pairs([(1.0, 0.0)] * 3, [(1.0, 0.0)] * 3)
+    fit = fit_motion(moves, 1)
+    # a move of 1 m goes over 1,000 cells: a window of 2 * 1,001 + 1 cells a side, 8 directions and standing
+    with pytest.raises(ValueError, match=r"9 x 1 x 2,003 x 2,003 = 3.61e\+07 numbers \(0.3 GB\).*of about 0.0015 or"):
+        held_out_log_likelihood(fit, moves, 0.001, 8)
+
+
+@pytest.mark.property
+def test_who_is_held_out_does_not_depend_on_the_order() -> None:
+    rng = np.random.default_rng(1)
+    tracks = [track([(float(n), 0.0), (n + 1.0, 0.5)], f"p{n}") for n in range(9)]
+    for seed in range(5):
+        _, held = split_people(tracks, 0.4, np.random.default_rng(seed))
+        mixed = [tracks[number] for number in rng.permutation(len(tracks))]
+        for other in (tracks[::-1], mixed):
+            _, again = split_people(other, 0.4, np.random.default_rng(seed))
+            assert {one.name for one in again} == {one.name for one in held}

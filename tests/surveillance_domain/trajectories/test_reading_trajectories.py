@@ -192,3 +192,87 @@ def test_pixels_go_through_the_homography_of_the_scene() -> None:
     matrix = read_homography(shared("ucy_zara01/H.txt"))
     (origin,) = on_floor(np.zeros((1, 2)), Conventions(homography=matrix)).tolist()
     assert origin == pytest.approx([7.838868, 5.566046], abs=1e-6)
+
+
+PAGE = Path(__file__).parents[3] / "docs" / "formats" / "recordings.md"
+
+
+@pytest.mark.example
+def test_the_forms_of_the_page_are_read(tmp_path: Path) -> None:
+    """Each example of the page, as it stands there, with a sidecar where the page says that one is needed."""
+    four, obsmat, trajnet, csv = (part.partition("```")[0] for part in PAGE.read_text().split("```text\n")[1:])
+    for name, text in (("four.txt", four), ("obsmat.txt", obsmat), ("people.ndjson", trajnet), ("people.csv", csv)):
+        written(tmp_path, text, name)
+    sidecar = PAGE.read_text().split("```toml\n")[1].partition("```")[0]
+    written(tmp_path, sidecar, "four.txt.toml")
+    written(tmp_path, "1 0 0\n0 1 0\n0 0 1\n", "H.txt")
+    written(tmp_path, 'columns = { id = "person", x = "pos_x", y = "pos_y" }\n', "people.csv.toml")
+    assert load_tracks(tmp_path / "four.txt").frame_s == pytest.approx(10 / 15)
+    assert load_tracks(tmp_path / "obsmat.txt", Conventions(15.0)).warnings == ()
+    assert load_tracks(tmp_path / "people.ndjson").frame_s == pytest.approx(0.4)
+    assert load_tracks(tmp_path / "people.csv").people == ("ann",)
+
+
+@pytest.mark.example
+def test_without_a_rate_the_sidecar_is_named(tmp_path: Path) -> None:
+    path = written(tmp_path, FRAME_TEXT)
+    with pytest.raises(TrajectoryError, match=r"frames_per_s = F in a file .*people\.txt\.toml"):
+        load_tracks(path)
+
+
+@pytest.mark.example
+def test_a_rate_forced_onto_a_file_that_has_its_own_names_the_way_out(tmp_path: Path) -> None:
+    (warning,) = load_tracks(written(tmp_path, NDJSON), Conventions(15.0)).warnings
+    assert "the file itself says 25 frames a second; 15 was given" in warning
+    assert "leave --frames-per-s out" in warning
+    assert "frames_per_s = 15" in warning
+
+
+@pytest.mark.example
+def test_large_ids_are_not_rounded_together(tmp_path: Path) -> None:
+    rows = read_rows(written(tmp_path, "0 1600000000000000001 0 0\n0 1600000000000000003 1 1\n"))
+    assert rows.names == ("1600000000000000001", "1600000000000000003")
+
+
+@pytest.mark.property
+@pytest.mark.parametrize("separator", [" ", ","])
+def test_many_lines_at_once_are_read_as_one_by_one(tmp_path: Path, separator: str) -> None:
+    """A name that is no number sends its block through the slow way; the numbers must be the same."""
+    rng = np.random.default_rng(0)
+    numbers = rng.normal(size=(300, 2)).round(3)
+    lines = [f"{n // 3} {n % 3} {x} {y}".replace(" ", separator) for n, (x, y) in enumerate(numbers.tolist())]
+    for header in ([], ["frame,id,x,y"] if separator == "," else []):
+        fast = read_rows(written(tmp_path, "\n".join([*header, *lines])))
+        named = [*header, *lines, f"0{separator}ann{separator}0{separator}0"]
+        slow = read_rows(written(tmp_path, "\n".join(named)))
+        assert slow.names == (*fast.names, "ann")
+        assert slow.frames[:-1].tolist() == fast.frames.tolist()
+        assert slow.tracks[:-1].tolist() == fast.tracks.tolist()
+        assert slow.points[:-1].tolist() == fast.points.tolist()
+        assert slow.lines[:-1].tolist() == fast.lines.tolist()
+
+
+@pytest.mark.example
+def test_a_file_of_several_blocks_keeps_its_line_numbers(tmp_path: Path) -> None:
+    lines = [
+        f"{n} {n % 7} {n / 8} 0.{'0' * 60}" for n in range(50_000)
+    ]  # more than one block of two million characters
+    told = []
+    path = written(tmp_path, "\n".join(lines))
+    rows = read_rows(path, advance=told.append)
+    assert len(told) > 1
+    assert sum(told) == path.stat().st_size
+    assert rows.lines.tolist() == list(range(1, 50_001))
+    assert rows.names == tuple("0123456")
+    lines[40_000] = "here"
+    with pytest.raises(TrajectoryError, match="line 40001: found 1 columns"):
+        read_rows(written(tmp_path, "\n".join(lines)))
+
+
+@pytest.mark.example
+def test_quoted_words_may_go_over_lines(tmp_path: Path) -> None:
+    text = 'frame,id,x,y,note\n0,"ann",0,0,"by\nthe door"\n1,ann,1,0,\n2,ann,here,0,\n'
+    with pytest.raises(TrajectoryError, match="line 5: found x = 'here'"):
+        read_rows(written(tmp_path, text))
+    rows = read_rows(written(tmp_path, text.replace("here", "2")))
+    assert rows.points.tolist() == [[0, 0], [1, 0], [2, 0]]

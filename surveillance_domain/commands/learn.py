@@ -118,8 +118,8 @@ def learn(
     if learned.judged.impossible > _OFTEN_IMPOSSIBLE:
         _warn(
             f"{learned.judged.impossible:.0%} of the held-out steps end, in part, in cells that {directions} "
-            f"directions and {len(learned.fit.speeds_mps)} speeds on cells of {cell_m:g} m cannot reach: "
-            "take more directions, larger cells or shorter steps"
+            f"steps of direction and {len(learned.fit.speeds_mps)} of speed on cells of {cell_m:g} m cannot reach: "
+            "take more directions or speeds, larger cells or shorter steps"
         )
     content |= {"written": written, **carried(found, seed)}
     answer(content, shown_learned(content, learned.prior, placed), as_json=as_json)

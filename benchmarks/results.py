@@ -72,14 +72,15 @@ def main() -> None:
 
 def _write_pages(out: Path, figures: Path) -> None:
     """Every page whose data is there."""
-    results = Results.read(figures / RUNS)
-    draw_figures(results, figures)
-    sections = [section(figures) for section in SECTIONS]
-    write_text(out / "results.md", "\n".join([page(results), *filter(None, sections)]))
-    if (figures / SENSITIVITY).exists():
-        slices = read_slices(figures, results)
-        draw_sensitivity(results, slices, figures)
-        write_text(out / "results-sensitivity.md", sensitivity_page(results, slices))
+    if (figures / RUNS).exists():
+        results = Results.read(figures / RUNS)
+        draw_figures(results, figures)
+        sections = [section(figures) for section in SECTIONS]
+        write_text(out / "results.md", "\n".join([page(results), *filter(None, sections)]))
+        if (figures / SENSITIVITY).exists():
+            slices = read_slices(figures, results)
+            draw_sensitivity(results, slices, figures)
+            write_text(out / "results-sensitivity.md", sensitivity_page(results, slices))
     if (figures / PEOPLE).exists():
         people = read_people(figures)
         draw_people(people, SCENES, figures)

@@ -10,7 +10,6 @@ When not to use it: where looking further ahead than one step pays.
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -293,7 +292,8 @@ def _mass(array: np.ndarray, shape: tuple[int, ...], axes: Sequence[int]) -> np.
 
     leading = list(axes) == list(range(len(axes)))
     kept = shape[: len(axes)] if leading else shape
-    mass = np.asarray(row_sums(np.ascontiguousarray(array).reshape(math.prod(kept), -1)).reshape(kept))
+    mass = np.empty(kept)
+    row_sums(np.ascontiguousarray(array).reshape(mass.size, -1), mass.ravel())
     if leading:
         return mass
     left = sorted(axes)

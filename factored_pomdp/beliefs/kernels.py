@@ -102,10 +102,9 @@ def _reweigh_kernel(shape: int) -> Any:
 
 @njit(cache=True, nogil=True)
 @no_type_check
-def row_sums(table: Any) -> Any:
-    """``Σ_j table[i, j]``, four partial sums at a time."""
+def row_sums(table: Any, sums: Any) -> None:
+    """Sets ``sums[i]`` to ``Σ_j table[i, j]``, four partial sums at a time."""
     rows, columns = table.shape
-    sums = np.empty(rows)
     for row in range(rows):
         first, second, third, fourth = 0.0, 0.0, 0.0, 0.0
         column = 0
@@ -119,14 +118,13 @@ def row_sums(table: Any) -> Any:
             first += table[row, column]
             column += 1
         sums[row] = (first + second) + (third + fourth)
-    return sums
 
 
 @njit(cache=True, nogil=True)
 @no_type_check
 def noisy_or_columns(
-    activation: Any, chosen: Any, emission_of: Any, indptr: Any, rows: Any, data: Any, off: int, seen: Any
-) -> Any:
+    activation: Any, chosen: Any, emission_of: Any, indptr: Any, rows: Any, data: Any, off: int, seen: Any, result: Any
+) -> None:
     """P(seen value | context) for each member, from a noisy-or whose causes are all fixed.
 
     Parameters
@@ -142,6 +140,8 @@ def noisy_or_columns(
         The child's silent value.
     seen : (members,) int
         The child's value for each member; negative: not looked at (likelihood one).
+    result : (contexts, members) float
+        Where it goes.
     """
     causes, contexts = len(chosen), activation.shape[1]
     acting = np.empty((causes, contexts))
@@ -158,10 +158,9 @@ def noisy_or_columns(
     for member in range(members):
         unseen[member] = 1.0 if seen[member] < 0 else 0.0
         quiet[member] = 1.0 if seen[member] == off else 0.0
-    likelihood = np.empty((contexts, members))
     for row in range(contexts):
         for member in range(members):
-            likelihood[row, member] = unseen[member] + quiet[member] * silent[row]
+            result[row, member] = unseen[member] + quiet[member] * silent[row]
     for member in range(members):
         value = seen[member]
         if value < 0 or value == off:
@@ -169,5 +168,4 @@ def noisy_or_columns(
         for cause in range(causes):
             table = emission_of[cause]
             for entry in range(indptr[table, value], indptr[table, value + 1]):
-                likelihood[rows[entry], member] += acting[cause, rows[entry]] * data[entry]
-    return likelihood
+                result[rows[entry], member] += acting[cause, rows[entry]] * data[entry]

@@ -70,9 +70,9 @@ class _NoisyOr:
         causes = zip(self._first, self._factor.causes, strict=True)
         chosen = [first + _position(cause, assignment, absent=-1 - first) for first, cause in causes]
         emissions = (self._emission_of, self._indptr, self._rows, self._data)
-        return np.asarray(
-            noisy_or_columns(self._activation, np.array(chosen), *emissions, self._factor.off_index, seen)
-        )
+        result = np.empty((self._activation.shape[1], len(seen)))
+        noisy_or_columns(self._activation, np.array(chosen), *emissions, self._factor.off_index, seen, result)
+        return result
 
 
 def _position(cause: Cause, assignment: Mapping[str, Value], absent: int) -> int:

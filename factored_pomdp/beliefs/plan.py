@@ -55,7 +55,7 @@ class StackPlan:
     def variables(self) -> tuple[Variable, ...]:
         return self.stack.pattern.variables
 
-    @property
+    @cached_property
     def shape(self) -> tuple[int, ...]:
         return tuple(variable.size for variable in self.variables)
 

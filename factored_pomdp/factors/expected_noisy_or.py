@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -174,6 +174,13 @@ class ExpectedNoisyOr(Factor):
         causes = [cause.activation for cause in self.causes if cause.variable == variable]
         reached = np.flatnonzero(np.any([(activation > 0).any(axis=0) for activation in causes], axis=0))
         return reached, np.prod([1 - activation[:, reached] for activation in causes], axis=0)
+
+    def array_over(self, scope: Iterable[Variable]) -> np.ndarray:
+        payoff, order = self._unweighted.get("payoff"), tuple(scope)
+        if payoff is None or order != self.scope:
+            return super().array_over(order)
+        table: np.ndarray = (payoff @ self.weights).reshape([variable.size for variable in self.scope])
+        return table
 
     def dense(self) -> DenseFactor:
         self.refuse_if_large(self.scope)

@@ -45,8 +45,12 @@ def maximise(
     choices: list[Variable] = []
     forced: dict[str, Value] = {}
     for variable in actions:
-        rules = [rule for rule in legal if variable in rule.scope]
-        values = [v for v in variable.values if not rules or all(rule.value({variable.name: v}) for rule in rules)]
+        rules = [rule for rule in legal if variable in rule.scope] if legal else []
+        values = (
+            [v for v in variable.values if all(rule.value({variable.name: v}) for rule in rules)]
+            if rules
+            else (variable.values)
+        )
         if not values:
             raise ValueError(f"no value of {variable.name!r} is legal")
         if len(values) == 1:

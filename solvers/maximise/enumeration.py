@@ -23,15 +23,18 @@ def enumerate_all(
     functions: Sequence[Factor], actions: Sequence[Variable], prefer: Mapping[str, Value] | None = None
 ) -> Decision:
     """The best of all joint actions; among equals the one that keeps most preferred values, then the first."""
-    total = np.zeros([variable.size for variable in actions])
-    for function in functions:
-        total = total + function.array_over(actions)
-    best = float(total.max())
-    tied = (total >= best - _TIE * max(1.0, abs(best))).ravel().nonzero()[0]
+    shape = tuple(variable.size for variable in actions)
+    tables = [function.array_over(actions) for function in functions]
+    total = sum(tables[1:], tables[0]) if tables else np.zeros(shape)
+    if total.shape != shape:
+        total = np.broadcast_to(total, shape)
+    values = total.ravel()
+    best = float(values.max())
+    tied = (values >= best - _TIE * max(1.0, abs(best))).nonzero()[0]
     chosen = int(tied[0]) if len(tied) == 1 or not prefer else _most_kept(tied, actions, prefer)
     index = np.unravel_index(chosen, total.shape)
     action = {v.name: v.values[int(i)] for v, i in zip(actions, index, strict=True)}
-    return Decision(action, float(total[index]), best, f"enumeration of {total.size:,} joint actions")
+    return Decision(action, float(values[chosen]), best, f"enumeration of {total.size:,} joint actions")
 
 
 def _most_kept(tied: np.ndarray, actions: Sequence[Variable], prefer: Mapping[str, Value]) -> int:

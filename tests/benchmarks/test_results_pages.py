@@ -208,6 +208,7 @@ def test_of_people_what_fails_is_said_first(results: ModuleType) -> None:
 
 
 @pytest.mark.end_to_end
+@pytest.mark.slow
 def test_the_command_makes_every_page_and_goes_on_from_what_is_kept(
     results: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

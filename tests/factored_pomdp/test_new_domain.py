@@ -22,6 +22,7 @@ def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict]
 
 
 @pytest.mark.end_to_end
+@pytest.mark.slow  # the page that explains it does the same in a fast test
 def test_it_installs_tests_itself_and_is_listed(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     code, answer = run(capsys, "new-domain", "bee-hives", "--into", str(tmp_path))
     folder = tmp_path / "bee-hives"

@@ -121,7 +121,7 @@ def test_cells_out_of_reach_are_warned_of(surveillance: Callable[..., Any], peop
         "learn", people, "--step-s", 1, "--cell-m", 0.25, "--frames-per-s", 20, "--directions", 4, "--json"
     )
     assert answer.code == 0
-    assert "take more directions, larger cells or shorter steps" in answer.err
+    assert "take more directions or speeds, larger cells or shorter steps" in answer.err
     assert answer.json["held_out"]["impossible_on_grid"] > 0.5
 
 

@@ -12,8 +12,7 @@ from surveillance_domain.experiments.variants import VARIANTS
 
 
 @pytest.mark.end_to_end
-@pytest.mark.parametrize("truth", ["grid", "continuous"])
-@pytest.mark.parametrize(("site", "targets"), [("tiny", 3), ("tiny-3", 2)])
+@pytest.mark.parametrize(("site", "targets", "truth"), [("tiny", 3, "grid"), ("tiny-3", 2, "continuous")])
 def test_clairvoyant_is_above_every_controller_run_by_run(site: str, targets: int, truth: TruthKind) -> None:
     surveillance = surveillance_of(Setup(site, targets))
     reached = {name: simulate_run(surveillance, name, 12, 1, 0, truth).percent_obs for name in VARIANTS}

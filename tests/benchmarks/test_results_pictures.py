@@ -24,6 +24,7 @@ def measure(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 
 @pytest.mark.end_to_end
+@pytest.mark.slow
 def test_runs_are_those_of_the_command_and_are_not_made_twice(
     measure: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

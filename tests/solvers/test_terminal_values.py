@@ -97,7 +97,8 @@ def test_upper_bound_by_blocks_where_ending_saves_costs() -> None:
 
 
 @pytest.mark.property
-@settings(max_examples=5)
+@pytest.mark.slow
+@settings(max_examples=8)
 @given(ending_models(most_states=2))
 def test_being_told_of_the_end_changes_no_value(model: fp.FactoredPOMDP) -> None:
     flat = fp.joint(model)

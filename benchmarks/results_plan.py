@@ -24,7 +24,7 @@ class Extent:
     """Where things are compared: sites, numbers of targets (and the few of them for sensitivity), length of a run."""
 
     sites: tuple[str, ...] = ("hall", "corridor", "junction")
-    counts: tuple[int, ...] = (1, 2, 5, 10, 15, 20)
+    counts: tuple[int, ...] = tuple(range(1, 21))
     few_counts: tuple[int, ...] = (5, 20)
     steps: int = 100
 

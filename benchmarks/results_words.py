@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from surveillance_domain.experiments.estimates import Estimate
 
@@ -38,10 +38,34 @@ def judged(found: Estimate) -> str:
     return f"{VERDICTS[found.verdict]} ({found.mean:+.1f})"
 
 
+def judged_at(found: Mapping[int, Estimate]) -> str:
+    """For which numbers of targets differences are above zero, for which not, and from where to where they go."""
+    told = {
+        word: [count for count, one in found.items() if one.verdict == verdict] for verdict, word in VERDICTS.items()
+    }
+    means = [one.mean for one in found.values()]
+    said = "; ".join(f"{word}: m = {spans(counts)}" for word, counts in told.items() if counts)
+    if len(found) > 1 and list(found) in told.values():
+        said = said.partition(":")[0]
+    return f"{said} ({min(means):+.1f} to {max(means):+.1f})"
+
+
 def words(parts: Iterable[str]) -> str:
     """Words in a row, the last two joined by *and*."""
     *first, last = parts
     return f"{', '.join(first)} and {last}" if first else last
+
+
+def spans(numbers: Iterable[int]) -> str:
+    """Whole numbers that grow, three and more that follow on each other as a span: *1–3, 5 and 6*."""
+    runs: list[list[int]] = []
+    for number in numbers:
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    parts = ([f"{run[0]}–{run[-1]}"] if len(run) > 2 else map(str, run) for run in runs)
+    return words(part for of in parts for part in of)
 
 
 def made_by(runs: int, full: int, seed: int) -> str:

@@ -37,6 +37,7 @@ _OTHERS = ({"color": SKY, "linestyle": "-", "marker": "P"}, {"color": INK, "line
 _PANEL_IN = (3.7, 3.4)
 _PANELS_A_ROW = 3
 _LABEL_POINTS = 9.5
+_MOST_TICKS = 8
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,11 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
     others = iter(_OTHERS * len(panel.curves))
     looks = {curve.controller: _LOOKS.get(curve.controller) or next(others) for curve in panel.curves}
     for curve in panel.curves:
-        look = {"linewidth": 1.4, "markersize": 5, **looks[curve.controller]}
+        look = {
+            "linewidth": 1.4,
+            "markersize": 5 if len(curve.targets) <= _MOST_TICKS else 3,
+            **looks[curve.controller],
+        }
         bound = look["marker"] is None
         if len(curve.targets) == 1:
             look["marker"] = look["marker"] or "_"
@@ -120,7 +125,7 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
         )
         _draw_interval(axes, curve, str(look["color"]), bound)
     targets = sorted({count for curve in panel.curves for count in curve.targets})
-    axes.set_xticks(targets)
+    axes.set_xticks(_ticks(targets))
     width = max(targets[-1] - targets[0], 1)
     axes.set_xlim(targets[0] - 0.05 * width, targets[-1] + 0.05 * width)
     axes.set_xlabel("number m of targets")
@@ -129,6 +134,12 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
     _write_labels(axes, panel, {name: str(look["color"]) for name, look in looks.items()})
+
+
+def _ticks(targets: Sequence[int]) -> list[int]:
+    """All numbers where they are few, else the first and the fifth, tenth, ..."""
+    few = len(targets) <= _MOST_TICKS
+    return [count for count in targets if few or count == targets[0] or count % 5 == 0]
 
 
 def _draw_interval(axes: Axes, curve: Curve, colour: str, bound: bool) -> None:

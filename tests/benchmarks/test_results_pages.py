@@ -122,6 +122,28 @@ def test_the_page_says_which_rankings_hold(results: ModuleType) -> None:
 
 
 @pytest.mark.example
+def test_a_ranking_is_told_for_every_number_of_targets(results: ModuleType) -> None:
+    """P above Stat at m = 5 alone, below it at 1 and 20; above Sys everywhere."""
+    rows = comparison_rows(counts=(1, 5, 20))
+    for row in rows:
+        if row["controller"] == "stat" and row["targets"] != "5":
+            row["percent"] = str(float(row["percent"]) + 20)
+    text = flat(results.page(results.Results.of(rows)))
+    stat = "holds: m = 5; **fails**: m = 1 and 20 (-5.0 to +15.0)"
+    assert (
+        f"| grid | hall | holds (+10.0 to +10.0) | **fails** (-1.0 to -1.0) | holds (+20.0 to +20.0) | {stat} |" in text
+    )
+    assert "number of targets (1, 5 and 20) and kind of truth" in text
+
+
+@pytest.mark.example
+def test_numbers_that_follow_on_each_other_are_a_span(results: ModuleType) -> None:
+    from results_words import spans
+
+    assert spans([1, 2, 3, 5, 6, 8, 9, 10, 11]) == "1–3, 5, 6 and 8–11"
+
+
+@pytest.mark.example
 def test_where_msp_turns_is_between_the_kappas(results: ModuleType) -> None:
     from results_kappa_text import kappa_section
 

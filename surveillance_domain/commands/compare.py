@@ -23,6 +23,7 @@ from surveillance_domain.commands.options import (
     processors,
     read_controllers,
     read_counts,
+    refuse_twice,
     truth_kind,
     workers_checked,
 )
@@ -75,8 +76,9 @@ def compare(
 
     changed = overrides(option, detection_probability, cell_noise_m)
     counts, names = read_counts(targets), read_controllers(controllers)
+    refuse_twice("SITE", sites)
     with input_checked():
-        found = {site: check_setup(Setup(site, 1, **changed), names) for site in dict.fromkeys(sites)}
+        found = {site: check_setup(Setup(site, 1, **changed), names) for site in sites}
     labels = [site.name for site in found.values()]
     if len(set(labels)) < len(labels):
         raise InputError(f"two different site files have the same name: {', '.join(labels)}; rename one")
@@ -93,8 +95,7 @@ def compare(
     content = comparison_content(plan, runs, outcome, named, COMMAND_LINE.get(), inputs)
     shown = comparison_tables(plan, outcome, named)
     if outcome.interrupted:
-        counted = "the runs that were finished are counted" if done else "no run was finished, and nothing is written"
-        shown = [*(shown if done else ()), f"Interrupted; {counted}."]
+        shown = [*(shown if done else ()), _interrupted(outcome, runs * len(plan.cases), out)]
     if out is not None and done:
         write_comparison(out, plan, outcome, named, content)
         shown.append(f"Written to {out}")
@@ -134,6 +135,15 @@ def compared(
         return outcome
     found = {case: {n: run for n, run in kept.of(case).items() if n < runs} for case in plan.cases}
     return Outcome(found, outcome.interrupted)
+
+
+def _interrupted(outcome: Outcome, wanted: int, out: Path | None) -> str:
+    """How many runs there are, and how to go on."""
+    finished = sum(map(len, outcome.runs.values()))
+    if not finished:
+        return "Interrupted; no run was finished, and nothing is written."
+    onwards = "the same command goes on from them" if out else "with --out they would be kept, to go on from"
+    return f"Interrupted; the {finished:,} of {wanted:,} runs that were finished are counted; {onwards}."
 
 
 def _work(targets: int) -> int:

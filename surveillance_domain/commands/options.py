@@ -30,6 +30,7 @@ __all__ = [
     "processors",
     "read_controllers",
     "read_counts",
+    "refuse_twice",
     "truth_kind",
     "workers_checked",
 ]
@@ -115,7 +116,7 @@ def read_counts(text: str) -> tuple[int, ...]:
             ) from None
     if min(counts) < 1:
         raise InputError(f"--targets {text}: {min(counts)} targets; expected 1 or more")
-    _refuse_twice("--targets", counts)
+    refuse_twice("--targets", counts)
     return tuple(sorted(counts))
 
 
@@ -134,11 +135,12 @@ def read_controllers(text: str) -> tuple[str, ...]:
     for name in names:
         if name not in VARIANTS:
             raise InputError(f"no controller {name!r}{did_you_mean(name, VARIANTS)}")
-    _refuse_twice("--controllers", names)
+    refuse_twice("--controllers", names)
     return names
 
 
-def _refuse_twice(option: str, given: Sequence[object]) -> None:
+def refuse_twice(option: str, given: Sequence[object]) -> None:
+    """Raise `InputError` where something is given twice."""
     twice = [one for place, one in enumerate(given) if one in given[:place]]
     if twice:
         raise InputError(f"{option}: {twice[0]} stands there twice")

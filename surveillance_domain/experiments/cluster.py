@@ -16,7 +16,7 @@ from surveillance_domain.experiments.jobs import Finished, Job, Outcome, do_job,
 __all__ = ["ClusterError", "run_on_cluster"]
 
 _CONNECT_S = 10.0
-_ADDRESS = r"(\w+://)?(\[[0-9a-fA-F:]+\]|[^:/\s]+):\d+"
+_ADDRESS = r"((tcp|tls|wss?|ucx)://)?(\[[0-9a-fA-F:]+\]|[^:/\s]+):\d+"
 
 
 class ClusterError(RuntimeError):

@@ -1,7 +1,7 @@
 """Finished runs on disk: one line of JSON each, keyed by everything that a run depends on.
 
 A sweep that was killed goes on from here: what stands in the file is not simulated again. Lines are written whole, and
-a last line that was torn by a kill is passed over.
+a last line that was torn by a kill is taken off.
 """
 
 from __future__ import annotations
@@ -64,8 +64,8 @@ class KeptRuns:
             os.fsync(file.fileno())
 
     def _read(self) -> None:
-        content = self._path.read_text(encoding="utf-8", errors="replace")
-        lines = content.splitlines()
+        content = self._path.read_bytes()
+        lines = content.splitlines(keepends=True)
         for number, line in enumerate(lines, 1):
             try:
                 told = json.loads(line)
@@ -76,9 +76,11 @@ class KeptRuns:
                     raise ValueError(
                         f"{self._path}, line {number}: no run; remove the line, or the file to begin anew"
                     ) from None
-        if content and not content.endswith("\n"):
-            with self._path.open("a", encoding="utf-8") as file:
-                file.write("\n")
+                os.truncate(self._path, len(content) - len(line))
+                return
+        if content and not content.endswith(b"\n"):
+            with self._path.open("ab") as file:
+                file.write(b"\n")
 
     def _key(self, case: Case) -> str:
         """Digest of the case, of its site file's content, and of the program's version."""

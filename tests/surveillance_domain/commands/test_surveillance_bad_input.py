@@ -84,3 +84,5 @@ def test_sites_of_the_same_name_are_told_apart_by_nobody(surveillance: Callable[
     answer = surveillance("compare", "tiny", tmp_path / "tiny.toml", "--targets", "1")
     assert answer.code == 2
     assert "same name" in answer.err
+    answer = surveillance("compare", "tiny", "tiny", "--targets", "1")
+    assert (answer.code, answer.err) == (2, "SITE: tiny stands there twice\n")

@@ -49,10 +49,14 @@ def test_a_torn_last_line_is_done_again_and_any_other_is_refused(tmp_path: Path)
     kept = KeptRuns(path)
     assert kept.missing(CASE, range(2)) == [1]
     run_jobs(blocks(CASE, [1]), tell=kept.keep)
+    assert KeptRuns(path).missing(CASE, range(2)) == []
+    path.write_text(whole.rstrip("\n"))
+    run_jobs(blocks(CASE, [2]), tell=KeptRuns(path).keep)
+    assert KeptRuns(path).missing(CASE, range(3)) == []
+    first, second = whole.splitlines(keepends=True)
+    path.write_text(first + second[:-40] + "\n" + second)
     with pytest.raises(ValueError, match=r"runs\.jsonl, line 2: no run"):
         KeptRuns(path)
-    path.write_text(whole)
-    assert KeptRuns(path).missing(CASE, range(2)) == []
 
 
 @pytest.mark.end_to_end
@@ -144,7 +148,7 @@ def test_no_scheduler_is_one_message(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.example
-@pytest.mark.parametrize("address", ["nonsense", "tcp://", "tcp://host", "http//x:1"])
+@pytest.mark.parametrize("address", ["nonsense", "tcp://", "tcp://host", "http//x:1", "http://127.0.0.1:80"])
 def test_what_is_no_address_is_refused_before_anybody_is_asked(address: str) -> None:
     with pytest.raises(ClusterError, match="no address of a scheduler: found"):
         run_on_cluster(blocks(CASE, range(1)), address)

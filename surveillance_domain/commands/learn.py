@@ -112,7 +112,7 @@ def learn(
     if picture is not None:
         written += _draw(learned, picture, [path.name for path in files], rng)
     if write is not None and site is not None:
-        written += write_learned(write, site, learned.fit, placed)
+        written += write_learned(site, learned.fit, placed)
         if placed is None:
             _tell_of_prior(write, len(files))
     if learned.judged.impossible > _OFTEN_IMPOSSIBLE:

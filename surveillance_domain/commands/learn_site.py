@@ -30,12 +30,14 @@ def checked_site(path: Path, step_s: float, cell_m: float, with_prior: bool) -> 
     InputError
         If it is no sound site file, may not be changed, or has another step.
     """
+    from surveillance_domain.site.editing import editable_path
     from surveillance_domain.site.load import load_site
 
     if not path.is_file():
         raise InputError(f"--write {path}: no such file; expected a site file that is there already")
     with input_checked():
         site = load_site(path)
+    path = editable_path(site)
     _check_writable(path)
     if with_prior:
         other = prior_path(path)
@@ -73,11 +75,14 @@ def _check_writable(path: Path) -> None:
 
 
 def prior_path(site: Path) -> Path:
-    """Where the prior of a site file is written: ``hall.toml`` has ``hall-prior.csv`` beside it."""
+    """Where the prior of a site file is written: ``hall.toml`` has ``hall-prior.csv`` beside it.
+
+    A file that a symbolic link points to has it beside itself, not beside the link.
+    """
     return site.with_name(f"{site.stem}-prior.csv")
 
 
-def write_learned(path: Path, site: Site, fit: MotionFit, prior: PlacedPrior | None) -> list[str]:
+def write_learned(site: Site, fit: MotionFit, prior: PlacedPrior | None) -> list[str]:
     """Set the learned keys of ``[targets]``, leave everything else in the file as it is; returns the files written.
 
     Raises
@@ -87,9 +92,10 @@ def write_learned(path: Path, site: Site, fit: MotionFit, prior: PlacedPrior | N
     """
     import tomlkit
 
-    from surveillance_domain.site.editing import edited_site
+    from surveillance_domain.site.editing import editable_path, edited_site
     from surveillance_domain.site.prior import prior_text
 
+    path = editable_path(site)
     beside = prior_path(path)
     before = beside.read_bytes() if beside.is_file() else None
     try:

@@ -41,6 +41,8 @@ def editable_path(site: Site) -> Path:
 def edited_site(path: Path, check: Callable[[Site], object] | None = None) -> Iterator[TOMLDocument]:
     """A site file as a document to be changed; it is written when the block ends without an error.
 
+    A symbolic link stays one: the file that it points to is changed.
+
     Parameters
     ----------
     path : Path
@@ -56,9 +58,10 @@ def edited_site(path: Path, check: Callable[[Site], object] | None = None) -> It
     """
     import tomlkit
 
-    document = tomlkit.parse(path.read_bytes().decode("utf-8"))
+    target = path.resolve()
+    document = tomlkit.parse(target.read_bytes().decode("utf-8"))
     yield document
-    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=".toml", dir=path.parent)
+    handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=".toml", dir=target.parent)
     beside = Path(name)
     try:
         with os.fdopen(handle, "wb") as file:
@@ -69,8 +72,8 @@ def edited_site(path: Path, check: Callable[[Site], object] | None = None) -> It
                 check(changed)
         except SiteError as problem:
             raise SiteError(f"{path}, as it would be changed", problem.faults) from None
-        beside.chmod(path.stat().st_mode & 0o7777)
-        beside.replace(path)
+        beside.chmod(target.stat().st_mode & 0o7777)
+        beside.replace(target)
     finally:
         beside.unlink(missing_ok=True)
 

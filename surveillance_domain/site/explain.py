@@ -40,21 +40,42 @@ def faults_of(
 def _fault(
     error: Any, model: type[BaseModel], tables: Mapping[str, Any], as_written: Callable[[Location], Location]
 ) -> Fault:
-    location: Location = error["loc"]
+    location = _as_far_as_written(error["loc"], tables, error["type"] == "missing")
     where = key_path(as_written(location))
     section, field = _section(model, location)
     if error["type"] == "extra_forbidden":
         if _SECRET.match(str(location[-1])):
             return Fault(where, "a secret in the file", "the name of an environment variable, in password_env")
         return Fault(where, "an unknown key", _known_keys(section, str(location[-1])))
-    if error["type"] == "missing":
+    described = f"a table of the keys {', '.join(section.model_fields)}" if field is None else str(field.description)
+    whole = location == error["loc"]
+    if error["type"] == "missing" and whole:
         if isinstance(location[-1], str):
-            return Fault(where, "nothing", str(field.description))
+            return Fault(where, "nothing", described)
         while isinstance(location[-1], int):  # an item of a list that is too short: the list is what is wrong
             location = location[:-1]
         where = key_path(as_written(location))
-    expected = str(error["ctx"]["error"]) if error["type"] == "value_error" else str(field.description)
+    expected = str(error["ctx"]["error"]) if error["type"] == "value_error" and whole else described
     return Fault(where, shown(_value_at(tables, location)), expected)
+
+
+def _as_far_as_written(location: Location, tables: Any, missing: bool) -> Location:
+    """A location without the names that pydantic gives to the branches of a union: up to the value that fits none.
+
+    With ``missing`` the last step may be a key or an item that the file does not have.
+    """
+    value = tables
+    for number, step in enumerate(location):
+        last = missing and number == len(location) - 1
+        if isinstance(value, Mapping) and isinstance(step, str):
+            if step not in value:
+                return location if last else location[:number]
+        elif not (isinstance(value, Sequence) and not isinstance(value, str) and isinstance(step, int)):
+            return location[:number]
+        elif step >= len(value):
+            return location if last else location[:number]
+        value = value[step]
+    return location
 
 
 def key_path(location: Sequence[str | int]) -> str:
@@ -91,11 +112,16 @@ def _nested(annotation: Any) -> type[BaseModel] | None:
 
 
 def _section(model: type[BaseModel], location: Location) -> tuple[type[BaseModel], Any]:
-    """The section that holds the last key of a location, and that key's field (``None`` if it has no such key)."""
+    """The section that holds the last key of a location, and the field that the key is or belongs to.
+
+    The field is ``None`` where no key of the location is one: the section itself is what is wrong.
+    """
     field: Any = None
     for step in (step for step in location if isinstance(step, str)):
-        model = (_nested(field.annotation) if field is not None else None) or model
-        field = model.model_fields.get(step)
+        inner = model if field is None else _nested(field.annotation)
+        if inner is None or step not in inner.model_fields:  # a key of the user's own, or an unknown one
+            return inner or model, field
+        model, field = inner, inner.model_fields[step]
     return model, field
 
 

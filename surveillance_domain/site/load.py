@@ -31,6 +31,8 @@ def builtin_sites() -> tuple[str, ...]:
 def load_site(name_or_path: str | Path) -> Site:
     """Read a site by its built-in name (``"hall"``) or by the path of its TOML file.
 
+    A symbolic link stands for the file that it points to: what a site file names lies beside that file.
+
     Raises
     ------
     SiteError
@@ -41,7 +43,9 @@ def load_site(name_or_path: str | Path) -> Site:
         content = (resources.files("surveillance_domain.site") / "builtin" / f"{name_or_path}.toml").read_bytes()
         return _parse(content, name_or_path, None, Path(), f"built-in site {name_or_path}")
     path = Path(name_or_path)
-    return _parse(_read(path), path.stem, path, path.parent, str(path))
+    content = _read(path)
+    file = path.resolve() if path.is_symlink() else path
+    return _parse(content, path.stem, file, file.parent, str(path))
 
 
 def _read(path: Path) -> bytes:

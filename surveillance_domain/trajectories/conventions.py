@@ -99,6 +99,9 @@ def _read_sidecar(path: Path) -> Conventions:
         raise TrajectoryError(str(path), (Fault("", f"text that is not TOML: {error}", "a TOML file"),)) from None
     except ValidationError as error:
         raise TrajectoryError(str(path), faults_of(error, _Sidecar, tables)) from None
+    except OSError as error:
+        found = (error.strerror or str(error)).lower()
+        raise TrajectoryError(str(path), (Fault("", found, "a sidecar that can be read"),)) from None
     matrix: Any = said.homography
     if isinstance(matrix, str):
         matrix = read_homography(path.parent / matrix)

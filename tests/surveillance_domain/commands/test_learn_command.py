@@ -307,3 +307,19 @@ def test_comments_among_the_speeds_stay(surveillance: Callable[..., Any], people
     assert answer.code == 0
     assert "speeds_mps = [\n  1.0, # a stroll\n  # those in a hurry\n  2.0,\n]" in site.read_text()
     assert "comments of speeds that are no more went with them: # they run" in answer.err
+
+
+@pytest.mark.end_to_end
+def test_a_link_to_a_site_file_stays_a_link(
+    surveillance: Callable[..., Any], people: Path, site: Path, tmp_path: Path
+) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    link = elsewhere / "link.toml"
+    link.symlink_to(site)
+    answer = surveillance(*words(people, "--write", link, "--offset-m", "10,5", "--json"))
+    assert answer.code == 0, answer.err
+    assert link.is_symlink()
+    assert answer.json["written"] == [str(site), str(site.with_name("site-prior.csv"))]
+    assert load_site(site).targets.prior == "site-prior.csv"
+    assert load_site(link).prior is not None  # what a site file names lies beside the file, not beside the link

@@ -172,3 +172,18 @@ def test_built_in_sites_are_not_changed(own_tables: Path) -> None:
     with pytest.raises(SiteError, match="built-in"):
         editable_path(load_site("lego"))
     assert editable_path(load_site(own_tables)) == own_tables
+
+
+@pytest.mark.example
+def test_a_link_stays_a_link_and_its_file_is_changed(own_tables: Path, tmp_path: Path) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    link = elsewhere / "link.toml"
+    link.symlink_to(own_tables)
+    with edited_site(link) as document:
+        document["control"]["step_s"] = 4.0
+    assert link.is_symlink()
+    assert "step_s = 4.0  # slow" in own_tables.read_text(encoding="utf-8")
+    assert sorted(path.name for path in elsewhere.iterdir()) == ["link.toml"]
+    site = load_site(link)
+    assert (site.name, site.path, site.control.step_s) == ("link", own_tables, 4.0)

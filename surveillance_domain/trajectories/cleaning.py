@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
 from surveillance_domain.site.faults import Fault
-from surveillance_domain.trajectories.conventions import Conventions, on_floor, sidecar_of
+from surveillance_domain.trajectories.conventions import Conventions, on_floor
 from surveillance_domain.trajectories.findings import Limits, findings
+from surveillance_domain.trajectories.horizon import beyond_horizon
+from surveillance_domain.trajectories.plausibility import finer_than_seconds, rate_wanted, speeds, warnings_of
 from surveillance_domain.trajectories.rasters import usual_step
 from surveillance_domain.trajectories.rows import Rows, TrajectoryError
 from surveillance_domain.trajectories.tracks import Counts, Track, Tracks
 
 __all__ = ["Limits", "cleaned"]
 
-_WALKING_MPS = (0.4, 2.2)
-_MOVING_MPS = 0.3
-_RATES_AGREE = 0.1
 _SAME_PLACE = 1e-9
+_EXACT_S = 1e-9
+_DIGITS = 6
 _Numbers = Int[np.ndarray, "..."]
 
 
@@ -30,22 +30,28 @@ def cleaned(rows: Rows, conventions: Conventions, limits: Limits, source: str) -
     Raises
     ------
     TrajectoryError
-        Without a rate of frames, without a track of two points, or where most people move faster than anybody can.
+        Without a rate of frames, without a track of two points, where points lie beyond the horizon of the homography,
+        where times are no seconds, or where most people move faster than anybody can.
     """
-    rate = conventions.frames_per_s or rows.frames_per_s
+    rate = 1.0 if rows.timed else conventions.frames_per_s or rows.frames_per_s
     unordered = _unordered(rows)
     rows = _by_person_and_frame(rows)
-    step = usual_step(rows)
+    even = replace(rows, frames=_counted_evenly(rows.frames, rate or 1.0))
+    step = usual_step(even)
     if step is None:
         raise TrajectoryError(source, (Fault("", "no track of two points", "people who are seen more than once"),))
     if rate is None:
-        raise TrajectoryError(source, (Fault("", "no rate of frames", _rate_wanted(rows, conventions, source)),))
+        raise TrajectoryError(source, (Fault("", "no rate of frames", rate_wanted(even, conventions, source)),))
     points = on_floor(rows.points, conventions)
+    impossible = beyond_horizon(rows, conventions) or finer_than_seconds(even, points, step, conventions)
+    if impossible is not None:
+        raise TrajectoryError(source, (impossible,))
     if not np.isfinite(points).all():
         line = int(rows.lines[~np.isfinite(points).all(axis=1)].min())
-        raise TrajectoryError(source, (Fault(f"line {line}", "a point on the horizon of the homography", "the floor"),))
+        raise TrajectoryError(source, (Fault(f"line {line}", "a point beyond all numbers", "metres on the floor"),))
+    seconds = even.frames / rate
     kept, repeated, contradictory = _once_a_frame(rows, points)
-    cut = _cut(rows.tracks[kept], rows.frames[kept] / rate, points[kept], step / rate, limits)
+    cut = _cut(rows.tracks[kept], seconds[kept], points[kept], step / rate, limits)
     met = {
         "repeated_rows": repeated,
         "contradictory_frames": contradictory,
@@ -59,21 +65,23 @@ def cleaned(rows: Rows, conventions: Conventions, limits: Limits, source: str) -
     names = {int(rows.tracks[kept[part[0]]]) for part in cut.parts}
     told = findings(rows, met, names, limits)
     if len(cut.other_units) * 2 > len(rows.names):
-        pace = float(np.median(_speeds(rows, points, rate)))
+        pace = float(np.median(speeds(even, points, rate)))
         raise TrajectoryError(source, (Fault("", f"a median speed of {pace:.3g} m/s", _UNITS),))
     if not cut.parts:
         faults = (Fault("", one.message.rstrip("."), "tracks that go on") for one in told)
         none = Fault("", "no track of two points that is left", "people who are seen more than once")
         raise TrajectoryError(source, (none, *faults))
-    times, places = rows.frames[kept] / rate, points[kept]
-    tracks = tuple(Track(rows.names[rows.tracks[kept[part[0]]]], times[part], places[part]) for part in cut.parts)
+    tracks = tuple(
+        Track(rows.names[rows.tracks[at[0]]], seconds[at], points[at], rows.lines[at])
+        for at in (kept[part] for part in cut.parts)
+    )
     counts = Counts(
         rows=len(points),
         people=len(rows.names),
         contradictory_people=len(rows.names) - len(np.unique(rows.tracks[kept])),
         **{kind: len(at) for kind, at in met.items()},
     )
-    return Tracks(tracks, step / rate, counts, _warnings(rows, rate, conventions, tracks), told)
+    return Tracks(tracks, step / rate, counts, warnings_of(even, rate, conventions, tracks), told)
 
 
 _UNITS = (
@@ -101,6 +109,13 @@ def _by_person_and_frame(rows: Rows) -> Rows:
         lines=rows.lines[order],
         velocities=None if rows.velocities is None else rows.velocities[order],
     )
+
+
+def _counted_evenly(frames: Float[np.ndarray, " rows"], rate: float) -> Float[np.ndarray, " rows"]:
+    """Frames, or seconds, from the first on where they are so large (Unix times) that their last digits are noise."""
+    if np.spacing(np.abs(frames).max() / rate) <= _EXACT_S:
+        return frames
+    return np.asarray((frames - frames.min()).round(_DIGITS))
 
 
 def _once_a_frame(
@@ -138,19 +153,19 @@ def _cut(
     """Everybody's points in parts without long gaps and jumps; people most of whose moves are too fast are left out."""
     own = np.diff(people) == 0
     passed = np.where(own, np.diff(times_s), 1.0)
-    speeds = np.hypot(*np.diff(places, axis=0).T) / passed
+    paces = np.hypot(*np.diff(places, axis=0).T) / passed
     starts = np.flatnonzero(np.concatenate([[True], ~own]))
     ends = np.append(starts[1:], len(people))
     too_fast = np.zeros(len(people), dtype=bool)
     other_units = []
     for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
-        if end - start > 1 and np.median(speeds[start : end - 1]) > limits.fastest_mps:
+        if end - start > 1 and np.median(paces[start : end - 1]) > limits.fastest_mps:
             other_units.append(start)
             too_fast[start:end] = True
     own &= ~too_fast[1:]
     missing = own & (passed > 1.5 * frame_s)
-    cut = missing & (passed > limits.gap_s + 1e-9)
-    jumped = own & ~cut & (speeds > limits.fastest_mps)
+    cut = missing & (passed > limits.gap_s + 10.0**-_DIGITS)
+    jumped = own & ~cut & (paces > limits.fastest_mps)
     breaks = np.flatnonzero(~own | cut | jumped) + 1
     begin = np.concatenate([[0], breaks])[: len(people)]
     length = np.diff(np.append(begin, len(people)))
@@ -164,48 +179,3 @@ def _cut(
         single=begin[usable & (length == 1)],
         other_units=np.array(other_units, dtype=np.int64),
     )
-
-
-def _speeds(rows: Rows, points: Float[np.ndarray, "rows 2"], rate: float) -> Float[np.ndarray, " moves"]:
-    """Metres a second between successive rows of one person; rows in order."""
-    passed = np.diff(rows.frames) / rate
-    moves: Bool[np.ndarray, " pairs"] = (np.diff(rows.tracks) == 0) & (passed > 0)
-    return np.hypot(*np.diff(points, axis=0)[moves].T) / passed[moves]
-
-
-def _warnings(rows: Rows, rate: float, conventions: Conventions, tracks: tuple[Track, ...]) -> tuple[str, ...]:
-    found = []
-    if conventions.frames_per_s and rows.frames_per_s and not np.isclose(rate, rows.frames_per_s, rtol=1e-3):
-        found.append(
-            f"the file itself says {rows.frames_per_s:g} frames a second; {rate:g} was given and is used. If that was "
-            "meant for other files, leave --frames-per-s out and write it into the sidecar of each file that needs it: "
-            f"FILE.toml beside FILE, with the line frames_per_s = {rate:g}"
-        )
-    told = _rate_of_velocities(rows, conventions)
-    if told is not None and abs(told / rate - 1) > _RATES_AGREE:
-        found.append(f"the file's own velocities speak of {told:.3g} frames a second; {rate:g} is used")
-    paces = np.concatenate([np.hypot(*np.diff(t.points_m, axis=0).T) / np.diff(t.times_s) for t in tracks])
-    moving = paces[paces > _MOVING_MPS]
-    if moving.size:
-        pace = float(np.median(moving))
-        if not _WALKING_MPS[0] <= pace <= _WALKING_MPS[1]:
-            found.append(f"people who move go {pace:.3g} m/s, which is not a walk: are frame rate and unit right?")
-    return tuple(found)
-
-
-def _rate_of_velocities(rows: Rows, conventions: Conventions) -> float | None:
-    """The rate at which a file's velocities agree with its positions, where both are in metres; rows in order."""
-    if rows.velocities is None or conventions.metres_per_unit is not None or conventions.homography is not None:
-        return None
-    told = np.hypot(*rows.velocities.T)[1:]
-    moved = _speeds(rows, rows.points, 1.0)
-    fits = (np.diff(rows.tracks) == 0) & (np.diff(rows.frames) > 0)
-    clear = (moved > 0) & (told[fits] > _MOVING_MPS)
-    return float(np.median(told[fits][clear] / moved[clear])) if clear.any() else None
-
-
-def _rate_wanted(rows: Rows, conventions: Conventions, source: str) -> str:
-    told = _rate_of_velocities(rows, conventions)
-    hint = f"; its own velocities speak of about {told:.3g}" if told is not None else ""
-    sidecar = sidecar_of(Path(source))
-    return f"--frames-per-s F, or the line frames_per_s = F in a file {sidecar} (ETH counts 15 a second, UCY 25{hint})"

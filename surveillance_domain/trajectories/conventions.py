@@ -41,6 +41,8 @@ class Conventions:
         One of `surveillance_domain.trajectories.formats.FORMATS`.
     columns : dict
         Names of a CSV file's columns.
+    homography_from : str
+        Where the homography was told.
     """
 
     frames_per_s: float | None = None
@@ -48,6 +50,7 @@ class Conventions:
     homography: Float[np.ndarray, "3 3"] | None = None
     form: str | None = None
     columns: dict[str, str] | None = None
+    homography_from: str = "homography"
 
 
 class _Sidecar(Section):
@@ -85,6 +88,7 @@ def with_sidecar(path: Path, given: Conventions) -> Conventions:
             homography=said.homography if on_the_floor else given.homography,
             form=given.form or said.form,
             columns=given.columns or said.columns,
+            homography_from=f"homography in {sidecar.name}" if on_the_floor else given.homography_from,
         )
     if given.metres_per_unit is not None and given.homography is not None:
         raise TrajectoryError(str(path), (Fault("", "metres_per_unit and a homography", "one of the two"),))

@@ -97,7 +97,7 @@ def _finding(kind: str, rows: Rows, at: Int[np.ndarray, " found"], kept: Collect
     lost = f" ({left_out:,} of {len(rows.names):,} people left out altogether)" if left_out else ""
     message = (
         f"{what}: {len(at):,}{of}: id {', '.join(names)}{more}; the first at {frame.removesuffix('_s')} "
-        f"{first[frame]:g}, line {first['line']}. {done}{lost}. {advice}."
+        f"{first[frame]:.14g}, line {first['line']}. {done}{lost}. {advice}."
     )
     return Finding(kind, len(at), len(concerned), names, first, left_out, message)
 

@@ -29,7 +29,7 @@ def load_tracks(
         Goes before what the file's sidecar says.
     limits : Limits, optional
     advance : callable, optional
-        Told how many more characters have been read, and what is being done.
+        Told how many more bytes have been read, and what is being done.
 
     Raises
     ------

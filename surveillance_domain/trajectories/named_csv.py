@@ -11,11 +11,13 @@ from itertools import chain
 
 from surveillance_domain.site.faults import Fault
 from surveillance_domain.trajectories.rows import (
+    WITH_POINTS,
     LineBlock,
     Rows,
     RowsBuilder,
     TrajectoryError,
     finite_numbers,
+    has_decimal_comma,
     number_of,
     track_name,
 )
@@ -23,7 +25,7 @@ from surveillance_domain.trajectories.rows import (
 __all__ = ["COLUMNS", "read_csv"]
 
 COLUMNS = ("frame", "time_s", "id", "x", "y")
-"""What a column can be; of the first two, one is needed. With ``time_s`` the file has no frames to be counted."""
+"""What a column can be; of the first two, one is needed; ``time_s`` goes before ``frame``, unless that was named."""
 
 
 def read_csv(blocks: Iterable[LineBlock], source: str, columns: Mapping[str, str] | None = None) -> Rows:
@@ -46,8 +48,9 @@ def read_csv(blocks: Iterable[LineBlock], source: str, columns: Mapping[str, str
     empty = next(place for place, line in enumerate(lines) if line.strip())
     delimiter = max(",;\t", key=lines[empty].count)
     header = [name.strip() for name in next(csv.reader(lines[empty:], skipinitialspace=True, delimiter=delimiter))]
-    places = _places(header, dict(columns or {}), source)
-    timed = "time_s" in places
+    named = dict(columns or {})
+    places = _places(header, named, source)
+    timed = "time_s" in places and ("time_s" in named or "frame" not in named)
     table = _Table(header, places, ("time_s" if timed else "frame", "x", "y"), delimiter)
     builder = RowsBuilder(source)
     table.read(builder, chain([(number + empty + 1, lines[empty + 1 :])], rest))
@@ -93,7 +96,9 @@ class _Table:
             if not track:
                 wrong.append(f"{header[places['id']]} = ''")
             if wrong:
-                builder.fault(line, ", ".join(wrong), f"finite numbers for {', '.join(used)}, and a name for id")
+                expected = f"finite numbers for {', '.join(used)}, and a name for id"
+                comma = has_decimal_comma(" ".join(words[places[name]] for name in used))
+                builder.fault(line, ", ".join(wrong), f"{expected}{WITH_POINTS if comma else ''}")
             else:
                 builder.add(line, track_name(track), [value for value in values if value is not None])
 

@@ -10,7 +10,8 @@ from surveillance_domain.trajectories.tracks import Track
 
 __all__ = ["resampled"]
 
-_ROUNDING = 1e-9
+_ROUNDING = 1e-6
+"""Of a step: a track that ends so little before one reaches it."""
 
 
 def resampled(track: Track, step_s: float, origin_s: float | None = None) -> Track | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -12,11 +13,14 @@ from jaxtyping import Float, Int
 from surveillance_domain.site.faults import Fault, SiteError
 
 __all__ = [
+    "COMMENT_SIGNS",
+    "WITH_POINTS",
     "LineBlock",
     "Rows",
     "RowsBuilder",
     "TrajectoryError",
     "finite_numbers",
+    "has_decimal_comma",
     "number_of",
     "numbered",
     "track_name",
@@ -25,6 +29,10 @@ __all__ = [
 _MOST_FAULTS = 10
 _MOST_SINGLE = 100_000
 _EXACT = 2**53
+
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.IGNORECASE)
+COMMENT_SIGNS = ("#", "%", "//")
+WITH_POINTS = "; decimals stand behind a point: 8.46, not 8,46"
 
 LineBlock = tuple[int, Sequence[str]]
 """Successive lines of a file, and the number of the first."""
@@ -186,6 +194,12 @@ def number_of(text: str) -> float | None:
     except ValueError:
         return None
     return number if math.isfinite(number) else None
+
+
+def has_decimal_comma(line: str) -> bool:
+    """Whether words that stand apart by white space or semicolons have one such as ``8,46``."""
+    words = line.replace(";", " ").split()
+    return len(words) > 1 and any(_DECIMAL_COMMA.fullmatch(word) for word in words)
 
 
 def track_name(text: str) -> str:

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 if TYPE_CHECKING:
     from surveillance_domain.trajectories.findings import Finding
@@ -25,11 +25,14 @@ class Track:
     times_s : (points,) float
         Rising.
     points_m : (points, 2) float
+    lines : (points,) int, optional
+        Of the file, where the points stand in one.
     """
 
     name: str
     times_s: Float[np.ndarray, " points"]
     points_m: Float[np.ndarray, "points 2"]
+    lines: Int[np.ndarray, " points"] | None = None
 
 
 @dataclass(frozen=True)

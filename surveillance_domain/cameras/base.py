@@ -93,7 +93,7 @@ class Move:
     because : str
         Why it did not reach, without the camera's name; empty if it did.
     fault : str
-        The class of the error that made it unreachable, or too slow to be watched; empty if none did.
+        The class of the error that kept it from reaching; empty if it did, or if somebody else has the camera.
     commanded : bool
         ``False``: nothing was sent, for somebody else has the camera.
     """

@@ -9,9 +9,11 @@ __all__ = [
     "CameraAway",
     "CameraError",
     "LoginRefused",
+    "NotThereInTime",
     "OutsideLimits",
     "Overloaded",
     "Refused",
+    "StandsStill",
     "TooLate",
     "TooSlow",
     "Unreachable",
@@ -67,6 +69,14 @@ class BadAnswer(CameraError):
 
 class BadPicture(CameraError):
     """A picture that is no whole JPEG, or was taken while the camera moved."""
+
+
+class StandsStill(CameraError):
+    """It takes commands to move, and tells that it stands where it stood."""
+
+
+class NotThereInTime(CameraError):
+    """It takes commands to move, and answers in time, but is not there when it should be."""
 
 
 class OutsideLimits(CameraError):

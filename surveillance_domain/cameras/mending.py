@@ -18,6 +18,10 @@ _MENDS = {
     "Refused": "is this the camera's address, is channel right, and may username control pan, tilt and zoom?",
     "BadAnswer": "is this an AXIS camera, and the right port? one that expects https answers http like this",
     "BadPicture": "if it stays so, is the network overloaded? restart the camera",
+    "StandsStill": "it takes commands and does not turn, or tells a position that is none of now: restart it; if it "
+    "stays so, is something in its way, or does somebody else command it?",
+    "NotThereInTime": "its moves take longer than the site says (pan_deg_per_s, tilt_deg_per_s, zoom_per_s, settle_s; "
+    "or make step_s longer), or its read-back stands still: restart it",
     "OutsideLimits": "turn the camera to where the preset should be and save that with surveillance add-preset",
     "Untrusted": "give the certificate that signed the camera's as ca_file, and in url the name that it was made for; "
     "or http:// if the camera speaks no TLS",

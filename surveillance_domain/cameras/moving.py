@@ -15,7 +15,14 @@ import numpy as np
 
 from surveillance_domain.cameras.base import Move, Outcome, Position
 from surveillance_domain.cameras.clock import Clock
-from surveillance_domain.cameras.errors import CameraAway, CameraError, TooSlow, Unreachable
+from surveillance_domain.cameras.errors import (
+    CameraAway,
+    CameraError,
+    NotThereInTime,
+    StandsStill,
+    TooSlow,
+    Unreachable,
+)
 from surveillance_domain.cameras.retry import pauses_s
 from surveillance_domain.cameras.steadiness import Steadiness
 from surveillance_domain.cameras.witness import MOVED, Witness
@@ -26,6 +33,7 @@ _SHORTEST_POLL_S = 0.02
 _POLL_S = 0.1
 _LEAST_STALL_S = 1.0
 _ROUNDING_S = 1e-6
+_FAULTS: dict[Outcome, type[CameraError]] = {Outcome.STALLED: StandsStill, Outcome.TIMED_OUT: NotThereInTime}
 _SLOW_SHARE = 0.5
 """Of the time for a move: an answer that takes longer leaves none to watch it."""
 
@@ -87,7 +95,8 @@ def drive(motors: Motors, target: Position, pace: Pace, clock: Clock, rng: np.ra
     if outcome is Outcome.TIMED_OUT and trip.slowest_s >= _SLOW_SHARE * (until - start):
         because = TooSlow.because(trip.slowest_s, until - start)
         return Move(outcome, trip.last, clock.now() - start, because, TooSlow.__name__)
-    return Move(outcome, trip.last, clock.now() - start, because)
+    fault = _FAULTS[outcome].__name__ if outcome in _FAULTS else ""
+    return Move(outcome, trip.last, clock.now() - start, because, fault)
 
 
 class _Taken(Exception):

@@ -99,7 +99,7 @@ def _steps(record: Path, run: str) -> Iterator[dict[str, Any]]:
     for line in lines_of(record):
         if line["kind"] == "header":
             inside = line["run"] == run
-        elif inside:
+        elif inside and line["kind"] == "step":
             yield line
 
 

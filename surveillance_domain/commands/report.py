@@ -91,7 +91,9 @@ def _why(record: Path, morning: Morning, surveillance: Surveillance | None, trou
     for line in lines_of(record):
         if line["kind"] == "header":
             inside = line["run"] == run
-        elif inside and line["step"] == step:
+        elif not inside or line["kind"] != "step":
+            continue
+        elif line["step"] == step:
             valued = [
                 ({name.removesuffix(".move"): preset for name, preset in choice.items()}, value)
                 for choice, value in refilter.values()
@@ -114,7 +116,7 @@ def _why(record: Path, morning: Morning, surveillance: Surveillance | None, trou
                 "beyond": line.get("beyond", {}),
                 "views": line["views"],
             }
-        elif inside:
+        else:
             refilter.take(line)
             taken += 1
     raise InputError(f"--step {step}: the last run of this record has no such step ({taken} are there)")

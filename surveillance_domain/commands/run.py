@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from surveillance_domain.control.base import Controller
+    from surveillance_domain.control.record import RecordWriter
     from surveillance_domain.control.watch import Alert
     from surveillance_domain.model.build import Surveillance
     from surveillance_domain.site.site import Site
@@ -68,6 +69,8 @@ def run(
 
         from surveillance_domain.commands.live_page import live_page, page_request
         from surveillance_domain.commands.network import network_of
+        from surveillance_domain.commands.run_record import closed_record, missing_steps, telling_of
+        from surveillance_domain.commands.service_manager import ALIVE, READY, STOPPING, notify
         from surveillance_domain.control.watch import Watch
         from surveillance_domain.site.load import load_site
         from surveillance_domain.vision.opencv import VisionMissing
@@ -81,7 +84,8 @@ def run(
         number = targets if targets is not None else max(1, len(found.targets.known))
         ends = None if until is None else _moment(until)
         state = state_of(found)
-        if not shadow and not emulated:
+        commands = not shadow and not emulated
+        if commands:
             stack.enter_context(alone(state))
         stack.enter_context(state.heeding())
         with input_checked((ValueError, VisionMissing)):
@@ -96,6 +100,7 @@ def run(
                     strangers=strangers,
                     held=state.held,
                     moves=not shadow,
+                    memories=state.memories() if commands else None,
                 )
             )
         chosen = controller or found.control.controller
@@ -103,24 +108,37 @@ def run(
         if not stop.asked:
             _start(network.world)
         alert = _alert(found)
-        written = None if record is None else _record(record, found, network.surveillance, chosen, seed, emulated)
-        if written is not None:
-            stack.callback(written.close)
+        written = None
+        if record is not None:
+            written = _record(record, found, network.surveillance, chosen, seed, emulated, fast)
+            alert = telling_of(record, alert)
         watch = Watch(network.world, acting, written, network.truth, alert)
+        stack.enter_context(closed_record(watch))
         tell = _teller(watch, found, steps, progress)
         show = stack.enter_context(live_page(asked, watch, network, state, chosen))
+        notify(READY)
         for step in () if stop.asked else watch.turns():
+            notify(ALIVE)
             tell()
             show(step)
-            over = steps is not None and step.number >= steps
-            if over or stop.asked or (ends is not None and datetime.now() >= ends):
+            if steps is not None and step.number >= steps:
+                watch.end("steps", f"all {steps:,} steps done")
                 break
+            if stop.asked:
+                break
+            if ends is not None and datetime.now() >= ends:
+                watch.end("until", f"--until {until}")
+                break
+        notify(STOPPING)
+        watch.end("stopped", f"stopped by {'Ctrl-C' if stop.signal is signal.SIGINT else 'SIGTERM'}")
         homeward = park or (stop.signal is signal.SIGTERM and not shadow)
         parked = {name: one.told for name, one in network.world.park().items()} if homeward else {}
         content = _content(watch.summary(), found, network.surveillance, chosen, seed, parked)
-    answer(content, _shown(content), as_json=as_json)
+    missing = missing_steps(content, record)
+    answer(content, _shown(content, missing), as_json=as_json)
     if content["blind"]:
         side_console().print(f"no camera gave a view: {_reasons(network.world)}", soft_wrap=True)
+    if content["blind"] or missing:
         raise typer.Exit(1)
 
 
@@ -162,9 +180,11 @@ def _start(world: NetworkWorld) -> None:
         side_console().print(f"warning: {fault}", soft_wrap=True)
 
 
-def _record(folder: Path, site: Site, surveillance: Surveillance, controller: str, seed: int, emulated: bool) -> Any:
+def _record(
+    folder: Path, site: Site, surveillance: Surveillance, controller: str, seed: int, emulated: bool, virtual: bool
+) -> RecordWriter:
     from factored_pomdp.provenance import provenance
-    from surveillance_domain.control.record import RecordWriter
+    from surveillance_domain.commands.run_record import begun_record
 
     header = {
         "site": site.name,
@@ -173,12 +193,10 @@ def _record(folder: Path, site: Site, surveillance: Surveillance, controller: st
         "controller": controller,
         "step_s": site.control.step_s,
         "emulated": emulated,
+        "virtual": virtual,
         **provenance(COMMAND_LINE.get(), {site.name: f"sha256:{site.digest}"}, seed),
     }
-    try:
-        return RecordWriter(folder, header, site.operation.keep_days)
-    except OSError as problem:
-        raise InputError(f"--record {folder}: {(problem.strerror or str(problem)).lower()}") from None
+    return begun_record(folder, header, site.operation.keep_days)
 
 
 def _alert(site: Site) -> Alert | None:
@@ -251,7 +269,7 @@ def _reasons(world: NetworkWorld) -> str:
     )
 
 
-def _shown(content: Mapping[str, Any]) -> list[RenderableType]:
+def _shown(content: Mapping[str, Any], missing: str) -> list[RenderableType]:
     rows = table("run", "found", right=["found"])
     for key in ("site", "controller", "targets", "steps", "restarts"):
         rows.add_row(key, str(content[key]))
@@ -271,4 +289,5 @@ def _shown(content: Mapping[str, Any]) -> list[RenderableType]:
         parked = [content["parked"][camera["name"]]] if content["parked"] else []
         cameras.add_row(camera["name"], camera["state"], str(camera["failures"]), *parked)
     closing = ["No camera gave a view in any step: nothing was watched."] if content["blind"] else []
+    closing += [f"{missing}."] if missing else []
     return [rows, cameras, *closing]

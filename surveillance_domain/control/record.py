@@ -3,7 +3,8 @@
 A line is written whole and at once, so that a kill at any moment loses at most the line that was being written, and
 readers pass over a torn last line. Each file begins with a header that says what was run. A new file is begun when one
 is full or a new day (UTC) begins; files that are older than the site's ``keep_days`` are removed then. Beliefs are not
-stored: they follow from the sightings. No pictures and no passwords are in it.
+stored: they follow from the sightings. No pictures and no passwords are in it. The last line of a run says how it
+ended; where that is missing, the run was killed, or is still there: the file that it writes is locked.
 
 A line that could not be written, as on a full disk, is an error for the caller; the next line begins a new file, so
 that a torn one is always the last of its file.
@@ -11,6 +12,7 @@ that a torn one is always the last of its file.
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 from collections.abc import Iterator, Mapping
@@ -19,9 +21,10 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
-__all__ = ["RecordError", "RecordWriter", "read_record"]
+__all__ = ["RecordError", "RecordWriter", "is_being_written", "read_record"]
 
 _PATTERN = "record-*.jsonl"
+_KINDS = ("header", "step", "end")
 _FULL_BYTES = 50_000_000
 
 
@@ -37,7 +40,8 @@ class RecordWriter:
     folder : Path
         Made if it is not there.
     header : mapping
-        What was run; JSON values. ``run`` and ``part`` are added to it: when the run began, and the number of the file.
+        What was run; JSON values. Added to it: ``run``, when the run began; ``part``, the number of the file; and
+        ``closes``, that the run's last line says how it ended (in older records it does not).
     keep_days : float
     full_bytes : int
 
@@ -53,6 +57,7 @@ class RecordWriter:
         self._folder, self._header, self._keep, self._full = folder, dict(header), timedelta(days=keep_days), full_bytes
         folder.mkdir(parents=True, exist_ok=True)
         self._file, self._written, self._day, self._parts = -1, 0, "", 0
+        self._lock = -1
         now = datetime.now(UTC)
         self._run = now.isoformat(timespec="microseconds")
         self._begin(now)
@@ -70,14 +75,36 @@ class RecordWriter:
             self._begin(now)
         self._line({"kind": "step", "written": now.isoformat(timespec="milliseconds"), **entry})
 
+    def end(self, entry: Mapping[str, Any]) -> None:
+        """Append the run's last line, and close.
+
+        Raises
+        ------
+        OSError
+            If that failed; it is closed all the same.
+        """
+        now = datetime.now(UTC)
+        try:
+            if self._file < 0:
+                self._begin(now)
+            self._line({"kind": "end", "written": now.isoformat(timespec="milliseconds"), **entry})
+        finally:
+            self.close()
+
     def close(self) -> None:
         """No more lines."""
+        self._close_file()
+        if self._lock >= 0:
+            os.close(self._lock)
+        self._lock = -1
+
+    def _close_file(self) -> None:
         if self._file >= 0:
             os.close(self._file)
         self._file = -1
 
     def _begin(self, now: datetime) -> None:
-        self.close()
+        self._close_file()
         for old in self._folder.glob(_PATTERN):
             with suppress(OSError):
                 if datetime.fromtimestamp(old.stat().st_mtime, UTC) < now - self._keep:
@@ -85,13 +112,22 @@ class RecordWriter:
         path = self._folder / f"record-{now:%Y%m%dT%H%M%S.%f}.jsonl"
         self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_EXCL, 0o640)
         self._written, self._day = 0, now.date().isoformat()
-        header = {**self._header, "run": self._run, "part": self._parts}
+        header = {**self._header, "run": self._run, "part": self._parts, "closes": True}
         try:
             self._line({"kind": "header", "written": now.isoformat(timespec="milliseconds"), **header})
         except OSError:
             path.unlink(missing_ok=True)
             raise
         self._parts += 1
+        self._lock_instead(path)
+
+    def _lock_instead(self, path: Path) -> None:
+        """Hold the lock of the last file that has a header, also while nothing can be written to it."""
+        before, self._lock = self._lock, os.open(path, os.O_RDONLY)
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(self._lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        if before >= 0:
+            os.close(before)
 
     def _line(self, content: Mapping[str, Any]) -> None:
         line = (json.dumps(content, ensure_ascii=False, allow_nan=False) + "\n").encode()
@@ -100,12 +136,27 @@ class RecordWriter:
                 done = os.write(self._file, line)
                 self._written, line = self._written + done, line[done:]
         except OSError:
-            self.close()
+            self._close_file()
             raise
 
 
+def is_being_written(path: Path) -> bool:
+    """Whether a run is there that writes this record (a folder or a file), as far as the file system tells."""
+    files = sorted(path.glob(_PATTERN)) if path.is_dir() else [path]
+    if not files:
+        return False
+    try:
+        with files[-1].open("rb") as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    return False
+
+
 def read_record(path: Path) -> Iterator[dict[str, Any]]:
-    """Headers and steps of a record in their order, from a folder or one of its files.
+    """Headers, steps and last lines of runs in their order, from a folder or one of its files.
 
     Raises
     ------
@@ -130,6 +181,6 @@ def _lines(file: Path) -> Iterator[dict[str, Any]]:
             except json.JSONDecodeError:
                 torn = line
                 continue
-            if not isinstance(content, dict) or content.get("kind") not in ("header", "step"):
+            if not isinstance(content, dict) or content.get("kind") not in _KINDS:
                 raise RecordError(f"{file}, line {number}: expected a JSON object with a kind, found {line[:60]!r}")
             yield content

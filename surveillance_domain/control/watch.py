@@ -58,6 +58,8 @@ class Watch:
         For cameras that lost views: the number of the last such step, and why.
     unrecorded : int
         Steps that could not be written to the record.
+    unrecorded_because : str
+        Why the last of them could not.
     """
 
     def __init__(
@@ -73,6 +75,7 @@ class Watch:
         self._lost: set[str] = set()
         self._seen_last: dict[str, float] = {}
         self.steps, self.unrecorded, self.failures = 0, 0, dict.fromkeys(world.reports, 0)
+        self.unrecorded_because = ""
         self.last_faults: dict[str, tuple[int, str]] = {}
         self._shares, self._counted, self._seen, self._beyond, self._expected = 0.0, 0, 0, 0, 0.0
         self._unused = {"without_identity": 0, "out_of_view": 0}
@@ -85,6 +88,16 @@ class Watch:
             self._write(step)
             self._tell_changes(step)
             yield step
+
+    def end(self, how: str, because: str) -> None:
+        """Close the record with how the run ended, in a word and in words; after this nothing is recorded."""
+        if self._record is None:
+            return
+        record, self._record = self._record, None
+        try:
+            record.end({"how": how, "because": because, "steps": self.steps, "unrecorded": self.unrecorded})
+        except OSError as problem:
+            self._change(THE_RECORD, True, (problem.strerror or str(problem)).lower())
 
     def entry(self, step: Step) -> dict[str, Any]:
         """A step as the record has it."""
@@ -127,6 +140,7 @@ class Watch:
             "restarts": self.controller.restarts,
             "late": self.world.late,
             "unrecorded": self.unrecorded,
+            "unrecorded_because": self.unrecorded_because,
             **self._unused,
             "roster": self._roster_summary(),
             "decision_ms": {
@@ -168,7 +182,8 @@ class Watch:
             self._record.write(self.entry(step))
         except OSError as problem:
             self.unrecorded += 1
-            self._change(THE_RECORD, True, (problem.strerror or str(problem)).lower())
+            self.unrecorded_because = (problem.strerror or str(problem)).lower()
+            self._change(THE_RECORD, True, self.unrecorded_because)
         else:
             self._change(THE_RECORD, False)
 

@@ -95,15 +95,25 @@ def _taken(site: Site, camera: Camera, presets: Sequence[str]) -> dict[str, Any]
     """Turn to presets, one after the other, and back to where the camera looked before."""
     from surveillance_domain.cameras.base import Position
     from surveillance_domain.commands.one_camera import opened_camera
-    from surveillance_domain.control.watch_state import AlreadyRun, WatchState
+    from surveillance_domain.commands.watch_state import state_of
+    from surveillance_domain.control.watch_state import AlreadyRun
     from surveillance_domain.vision.opencv import BadImage
+    from surveillance_domain.world.memory import Memory, still_for_s
+    from surveillance_domain.world.yielding import MOVED
 
-    state = WatchState(site)
+    state = state_of(site)
     if camera.name in state.held():
         raise InputError(f"camera {camera.name!r} is held by somebody; it is not moved")
     found = {}
     with input_checked((AlreadyRun, BadImage)), state.locked(), opened_camera(site, camera) as driver:
-        before = driver.position(_BUDGET_S)
+        before, yield_s = driver.position(_BUDGET_S), site.operation.yield_s
+        memory = state.memories().get(camera.name, Memory())
+        still_s = still_for_s(memory, yield_s, camera.tolerance_deg, before)
+        if still_s is not None:
+            raise InputError(
+                f"camera {camera.name!r}: {MOVED} {still_s:.0f} s ago; it is not turned before it has been still for "
+                f"{yield_s:g} s"
+            )
         try:
             for preset in camera.presets:
                 if preset.name in presets:

@@ -59,7 +59,8 @@ def doctor(
         if not no_move and not emulated:
             stack.enter_context(alone(state))
         examined, cameras, clock = stack.enter_context(_cameras(found, emulated))
-        examination = Examination(examined, views, clock, not no_move, markers, calibrated=kept)
+        memories = {} if emulated else state.memories()
+        examination = Examination(examined, views, clock, not no_move, markers, calibrated=kept, memories=memories)
         held = frozenset() if emulated else state.held()
         tasks = [partial(examination.of, camera, camera.name in held) for camera in cameras]
         with ThreadPoolExecutor(len(tasks)) as pool:

@@ -20,7 +20,10 @@ def hold(
     release: Annotated[bool, typer.Option("--release", help="Give it back.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Hold a camera: from the next step on it gets no commands, until it is released; what it sees still counts."""
+    """Hold a camera: from the next step on it gets no commands, until it is released; what it sees still counts.
+
+    It is held by its address: every site file that names the camera leaves it alone.
+    """
     from surveillance_domain.site.load import load_site
 
     with input_checked():
@@ -29,18 +32,18 @@ def hold(
     state = state_of(found)
     with input_checked((OSError,)):
         state.hold(camera, not release)
-        heeded = state.heeded()
+        heeded = state.heeded(camera)
     held = sorted(state.held())
     told = f"{camera} is {'released' if release else 'held'}."
     if heeded:
-        effect = "A run of this site heeds it from its next step on."
+        effect = "A run of this camera heeds it from its next step on."
     else:
         effect = (
-            "No run is there to heed it: none of this site file with this state folder, "
-            f"{state.folder}. It is kept there for the next one."
+            f"No run is there to heed it: none of this camera with this state folder, {state.root}. "
+            "It is kept there for the next one."
         )
     rest = f"Held at {found.name}: {', '.join(held)}." if held else f"No camera of {found.name} is held."
-    content = {"site": found.name, "camera": camera, "held": held, "heeded": heeded, "state_folder": str(state.folder)}
+    content = {"site": found.name, "camera": camera, "held": held, "heeded": heeded, "state_folder": str(state.root)}
     answer(content, [told, effect, rest], as_json=as_json)
     if as_json and not heeded:
         side_console().print(f"warning: {effect}", soft_wrap=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from surveillance_domain.model.build import Surveillance
     from surveillance_domain.site.site import Site
     from surveillance_domain.world.eyes import Eyes
+    from surveillance_domain.world.memory import Memory
     from surveillance_domain.world.network import NetworkWorld
     from surveillance_domain.world.truth import Truth
 
@@ -59,6 +60,7 @@ def network_of(
     strangers: int = 0,
     held: Callable[[], Collection[str]] = frozenset,
     moves: bool = True,
+    memories: Mapping[str, Memory] | None = None,
 ) -> Iterator[Network]:
     """Open all cameras of a site; closed again at the end.
 
@@ -72,6 +74,8 @@ def network_of(
         Find targets in pictures. Otherwise, with emulated cameras only, detections are drawn from the model.
     strangers : int
         Emulated cameras only: how many targets move there beside those of the model.
+    held, moves, memories
+        See `NetworkWorld`.
 
     Raises
     ------
@@ -112,7 +116,7 @@ def network_of(
             eyes = PictureEyes(surveillance)
         else:
             eyes = TruthEyes(surveillance, emulation, for_eyes)
-        world = NetworkWorld(surveillance.site, cameras, eyes, clock, held, moves)
+        world = NetworkWorld(surveillance.site, cameras, eyes, clock, held, moves, memories)
         stack.callback(world.close)
         yield Network(surveillance, cameras, world, eyes, truth, clock)
 

@@ -15,7 +15,7 @@ _PATIENCE_S = 5.0
 
 
 def park(site: SiteName, as_json: AsJson = False) -> None:
-    """Send cameras to their home preset; those that people hold, or turn just now, are left alone.
+    """Send cameras to their home preset; those that people hold, or turned in the last yield_s, are left alone.
 
     It works after a run was killed, and refuses while one goes on.
     """
@@ -33,7 +33,7 @@ def park(site: SiteName, as_json: AsJson = False) -> None:
         clock = RealClock()
         cameras = opened(found, clock, np.random.default_rng())
         try:
-            outcomes = parked(found, cameras, clock, state.held())
+            outcomes = parked(found, cameras, clock, state.held(), state.memories())
         finally:
             for camera in cameras:
                 camera.close()

@@ -1,9 +1,11 @@
-"""What the commands of one machine tell each other about a site: who runs it, and which cameras people hold.
+"""What the commands of one machine tell each other: who commands which cameras, whom people hold, and who was moved.
 
-A folder of the user's for each site, ``$XDG_STATE_HOME/factored-pomdp/<site>-<digest of its path>``: ``lock`` is locked
-by whoever commands the cameras, for as long as that process lives; ``heeded`` by every run that asks for ``held.json``,
-the names of the cameras that are held. Beside it, ``cameras`` has a lock for every camera, by its address and channel,
-so that two site files do not command the same one. Other users have folders, and locks, of their own.
+All of it in a folder of the user's, ``$XDG_STATE_HOME/factored-pomdp``; other users have one of their own. Under
+``<site>-<digest of its path>``, ``lock`` is locked by whoever commands the cameras of that site file, for as long as
+that process lives. Under ``cameras`` are files about each camera, by its address and channel, so that all site files
+that name it mean the same: ``.lock`` is locked by whoever commands it, ``.heeded`` by every run that asks for
+``.held``, which is there while people hold it, and ``.moved`` is there while it is left alone because somebody moved
+it. Those of cameras without an address are in the site's folder.
 """
 
 from __future__ import annotations
@@ -12,13 +14,13 @@ import fcntl
 import hashlib
 import json
 import os
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import IO
-from urllib.parse import urlsplit
 
-from surveillance_domain.site.camera import Camera
+from surveillance_domain.control.addresses import addresses
+from surveillance_domain.control.kept_memory import KeptMemory, replaced
 from surveillance_domain.site.site import Site
 
 __all__ = ["AlreadyRun", "WatchState"]
@@ -35,7 +37,14 @@ class WatchState:
     ----------
     site : Site
     folder : Path, optional
-        Instead of that in the user's own; the cameras' locks are beside it then, too.
+        The site's, instead of that in the user's own; the cameras' is beside it then, too.
+
+    Attributes
+    ----------
+    folder : Path
+        The site's.
+    root : Path
+        All that is kept is in there.
 
     Raises
     ------
@@ -48,12 +57,17 @@ class WatchState:
         self._held = frozenset[str]()
         home = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state")
         where = str(site.path.resolve()) if site.path is not None else f"built-in {site.name}"
-        self.folder = (
-            folder or home / "factored-pomdp" / f"{site.name}-{hashlib.sha256(where.encode()).hexdigest()[:12]}"
-        )
-        self._cameras = self.folder.parent / "cameras"
+        self.folder = folder or home / "factored-pomdp" / f"{site.name}-{_digest(where, 12)}"
+        self.root = self.folder.parent
+        cameras = self.root / "cameras"
         self.folder.mkdir(parents=True, exist_ok=True)
-        self._cameras.mkdir(exist_ok=True)
+        cameras.mkdir(exist_ok=True)
+        places = addresses(site.cameras)
+        self._commanded = tuple(places)
+        self._files = {
+            name: tuple(cameras / place for place in places[name]) if name in places else (self.folder / digest,)
+            for name, digest in ((camera.name, _digest(camera.name, 16)) for camera in site.cameras)
+        }
 
     @contextmanager
     def locked(self) -> Iterator[None]:
@@ -72,38 +86,36 @@ class WatchState:
                 raise AlreadyRun(
                     f"site {self._site.name} is being run already, by process {holder}; stop that one first"
                 )
-            for place, camera in self._places().items():
-                where = str(self._site.path) if self._site.path is not None else self._site.name
-                told = f"site {where} as camera {camera.name!r}, process {me}"
-                holder = stack.enter_context(_locked(self._cameras / f"{place}.lock", told))
+            where = str(self._site.path) if self._site.path is not None else self._site.name
+            for path, name in self._by_file(".lock", self._commanded).items():
+                holder = stack.enter_context(_locked(path, f"site {where} as camera {name!r}, process {me}"))
                 if holder is not None:
+                    camera = next(one for one in self._site.cameras if one.name == name)
                     raise AlreadyRun(
-                        f"camera {camera.name!r} ({camera.url}, channel {camera.channel}) is commanded already, by "
+                        f"camera {name!r} ({camera.url}, channel {camera.channel}) is commanded already, by "
                         f"{holder}; stop that one first"
                     )
             yield
 
     @contextmanager
     def heeding(self) -> Iterator[None]:
-        """While it goes on, `heeded` says so: for whoever asks for `held` again and again."""
-        with (self.folder / "heeded").open("a") as mark:
-            fcntl.flock(mark, fcntl.LOCK_SH)
+        """While it goes on, `heeded` says so of the site's cameras: for whoever asks for `held` again and again."""
+        with ExitStack() as stack:
+            for path in self._by_file(".heeded", self._files):
+                fcntl.flock(stack.enter_context(path.open("a")), fcntl.LOCK_SH)
             yield
 
-    def heeded(self) -> bool:
-        """Whether somebody is there who leaves cameras alone that are held."""
-        with (self.folder / "heeded").open("a") as mark:
-            return not _lock(mark)
+    def heeded(self, camera: str) -> bool:
+        """Whether somebody is there, with this site file or another, who leaves the camera alone if it is held."""
+        for path in self._by_file(".heeded", [camera]):
+            with suppress(FileNotFoundError), path.open("r") as mark:
+                if not _lock(mark):
+                    return True
+        return False
 
     def held(self) -> frozenset[str]:
-        """Cameras that people hold; those of the site only. Where that cannot be read, those that they held before."""
-        try:
-            names = json.loads((self.folder / "held.json").read_text(encoding="utf-8"))
-            self._held = frozenset(names) & {camera.name for camera in self._site.cameras}
-        except FileNotFoundError:
-            self._held = frozenset()
-        except (OSError, ValueError, TypeError):
-            pass
+        """Cameras of the site that people hold, by whatever site file; where that cannot be read, as it was before."""
+        self._held = frozenset(name for name in self._files if self._is_held(name))
         return self._held
 
     def hold(self, camera: str, hold: bool = True) -> None:
@@ -113,26 +125,58 @@ class WatchState:
         ------
         ValueError
             For a camera that is not at the site.
+        OSError
+            If that cannot be kept.
         """
-        names = [one.name for one in self._site.cameras]
-        if camera not in names:
-            raise ValueError(f"site {self._site.name} has no camera {camera!r} (there are: {', '.join(names)})")
-        held = self.held() | {camera} if hold else self.held() - {camera}
-        beside = self.folder / f"held.json.{os.getpid()}"
-        beside.write_text(json.dumps(sorted(held)), encoding="utf-8")
-        os.replace(beside, self.folder / "held.json")
+        if camera not in self._files:
+            raise ValueError(f"site {self._site.name} has no camera {camera!r} (there are: {', '.join(self._files)})")
+        mine = list(self._by_file(".held", [camera]))
+        if hold:
+            for path in mine:
+                replaced(path, json.dumps([one.name for one in mine]))
+            return
+        for path in mine:
+            others = _names_in(path)
+            path.unlink(missing_ok=True)
+            for name in others:  # a name that stood for another address when it was taken
+                path.with_name(name).unlink(missing_ok=True)
 
-    def _places(self) -> dict[str, Camera]:
-        """The site's cameras that have an address, by what tells them apart."""
-        return {_place(camera.url, camera.channel): camera for camera in self._site.cameras if camera.url is not None}
+    def memories(self) -> dict[str, KeptMemory]:
+        """Of the cameras that have an address, by name: who was moved by somebody."""
+        return {name: KeptMemory(list(self._by_file(".moved", [name]))) for name in self._commanded}
+
+    def _by_file(self, suffix: str, cameras: Iterable[str]) -> dict[Path, str]:
+        """Every file that is about some cameras, and one that it is about."""
+        return {path.with_suffix(suffix): name for name in cameras for path in self._files[name]}
+
+    def _is_held(self, camera: str) -> bool:
+        try:
+            return any(_is_there(path) for path in self._by_file(".held", [camera]))
+        except OSError:
+            return camera in self._held
 
 
-def _place(url: str, channel: int) -> str:
-    """The same for all ways to write a camera's address; but not for a name and a number that stand for one another."""
-    parts = urlsplit(url)
-    port = "" if parts.port in (None, 80, 443) else f":{parts.port}"
-    where = f"{(parts.hostname or '').lower()}{port} channel {channel}"
-    return hashlib.sha256(where.encode()).hexdigest()[:16]
+def _digest(text: str, characters: int) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:characters]
+
+
+def _is_there(path: Path) -> bool:
+    """Unlike `Path.exists`, which takes a file that cannot be asked for to be missing."""
+    try:
+        path.stat()
+    except FileNotFoundError:
+        return False
+    return True
+
+
+def _names_in(path: Path) -> list[str]:
+    """Under which names a hold is kept, as far as that can be read."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return []
+    names = content if isinstance(content, list) else []
+    return [name for name in names if isinstance(name, str) and name == Path(name).name and name.endswith(".held")]
 
 
 @contextmanager

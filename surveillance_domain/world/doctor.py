@@ -21,6 +21,7 @@ from surveillance_domain.cameras.errors import (
 from surveillance_domain.cameras.mending import mend_of
 from surveillance_domain.cameras.tls import other_scheme
 from surveillance_domain.cameras.vapix import VapixCamera
+from surveillance_domain.cameras.witness import MOVED
 from surveillance_domain.model.views import Views
 from surveillance_domain.site.camera import Preset
 from surveillance_domain.site.site import Site
@@ -29,6 +30,7 @@ from surveillance_domain.vision.ground import preset_at
 from surveillance_domain.vision.points import FloorMarker
 from surveillance_domain.world.doctor_pictures import calibration, markers_known, markers_readable, resolution
 from surveillance_domain.world.doctor_points import points_found
+from surveillance_domain.world.memory import Memory, still_for_s
 
 __all__ = ["Check", "Examination"]
 
@@ -75,6 +77,8 @@ class Examination:
         The time of day (UTC).
     calibrated : dict
         What cameras' presets were calibrated from, by camera and preset, to be looked for again.
+    memories : dict
+        Of cameras, by name: who was moved by somebody, and is not turned until it has been still for ``yield_s``.
     """
 
     site: Site
@@ -84,6 +88,7 @@ class Examination:
     markers: Mapping[int, FloorMarker] | None = None
     today: Callable[[], datetime] = lambda: datetime.now(UTC)
     calibrated: Mapping[str, Mapping[str, Calibrated]] = field(default_factory=dict)
+    memories: Mapping[str, Memory] = field(default_factory=dict)
 
     def of(self, camera: VapixCamera, held: bool = False) -> tuple[Check, ...]:
         """All checks of one camera, which is not turned if people hold it."""
@@ -116,6 +121,10 @@ class Examination:
         yield from _others(camera)
         yield from self._clock_check(camera)
         turns = self.moves and not held
+        still_s = self._still_for_s(camera, here) if turns else None
+        if still_s is not None:
+            turns = False
+            yield Check("move", True, f"not turned: {MOVED} {still_s:.0f} s ago")
         if turns:
             moved = self._move(camera, here)
             turns = moved.ok
@@ -179,6 +188,11 @@ class Examination:
             yield Check("clock", True, f"{off} this machine's")
         else:
             yield Check("clock", False, f"{off} this machine's: give both the same time server (NTP)")
+
+    def _still_for_s(self, camera: VapixCamera, here: Position) -> float | None:
+        """For how long it has been still, if somebody moved it a moment ago."""
+        memory = self.memories.get(camera.name, Memory())
+        return still_for_s(memory, self.site.operation.yield_s, camera.description.tolerance_deg, here)
 
     def _move(self, camera: VapixCamera, here: Position) -> Check:
         """To a preset that it is not at, and back."""

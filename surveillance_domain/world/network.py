@@ -28,6 +28,7 @@ from surveillance_domain.site.site import Site
 from surveillance_domain.world.base import Sighting
 from surveillance_domain.world.camera_report import CameraReport
 from surveillance_domain.world.eyes import Eyes, Look
+from surveillance_domain.world.memory import Memory
 from surveillance_domain.world.parking import Parked, sent_home
 from surveillance_domain.world.yielding import MOVED, Yielding, taken, watching
 
@@ -109,6 +110,8 @@ class NetworkWorld:
         Names of the cameras that people hold now.
     moves : bool
         ``False``: never moves a camera (``--shadow``).
+    memories : dict, optional
+        Of cameras, by name: who was moved by somebody, from before and for later.
 
     Attributes
     ----------
@@ -126,11 +129,14 @@ class NetworkWorld:
         clock: Clock,
         held: Callable[[], Collection[str]] = frozenset,
         moves: bool = True,
+        memories: Mapping[str, Memory] | None = None,
     ) -> None:
         self._clock, self._eyes, self._held, self._moves = clock, eyes, held, moves
         self._step_s, self._look_s, operation = site.control.step_s, look_budget_s(site), site.operation
         self._nodes = {
-            description.name: _Node(description, camera, watching(description, operation.yield_s))
+            description.name: _Node(
+                description, camera, watching(description, operation.yield_s, (memories or {}).get(description.name))
+            )
             for description, camera in zip(site.cameras, cameras, strict=True)
         }
         self._pool = ThreadPoolExecutor(len(self._nodes), thread_name_prefix="camera")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -14,6 +14,7 @@ from surveillance_domain.cameras.errors import CameraError
 from surveillance_domain.cameras.witness import MOVED
 from surveillance_domain.site.camera import Camera as CameraDescription
 from surveillance_domain.site.site import Site
+from surveillance_domain.world.memory import Memory, Stood, still_for_s
 from surveillance_domain.world.yielding import HELD, watching
 
 __all__ = ["Parked", "parked", "sent_home"]
@@ -37,25 +38,50 @@ class Parked:
     told: str
 
 
-def parked(site: Site, cameras: Sequence[Camera], clock: Clock, held: Collection[str]) -> dict[str, Parked]:
-    """Send every camera home that nobody holds or turns.
+def parked(
+    site: Site,
+    cameras: Sequence[Camera],
+    clock: Clock,
+    held: Collection[str],
+    memories: Mapping[str, Memory] | None = None,
+) -> dict[str, Parked]:
+    """Send every camera home that nobody holds or turns, or turned in the last ``yield_s``.
 
     A camera that still turns may do so by the last command of a run that was killed; so it is given its
     ``move_deadline_s`` to come to rest.
+
+    Parameters
+    ----------
+    memories : dict, optional
+        Of the cameras, by name: who was moved by somebody before, and is now.
     """
-    tasks = [partial(_park, camera, one, clock, held) for camera, one in zip(cameras, site.cameras, strict=True)]
+    known = memories or {}
+    yield_s = site.operation.yield_s
+    tasks = [
+        partial(_park, camera, one, clock, held, known.get(one.name, Memory()), yield_s)
+        for camera, one in zip(cameras, site.cameras, strict=True)
+    ]
     with ThreadPoolExecutor(len(tasks)) as pool:
         done = clock.together(pool, tasks)
     return {one.name: future.result() for one, future in zip(site.cameras, done, strict=True)}
 
 
-def _park(camera: Camera, description: CameraDescription, clock: Clock, held: Collection[str]) -> Parked:
+def _park(
+    camera: Camera,
+    description: CameraDescription,
+    clock: Clock,
+    held: Collection[str],
+    memory: Memory,
+    yield_s: float,
+) -> Parked:
     if description.name in held:
         return Parked(True, f"left alone: {HELD}")
     try:
-        if description.home is not None and not _comes_to_rest(camera, description, clock):
-            return Parked(True, "left alone: somebody else turns it")
-        camera.watched_by(watching(description, yield_s=math.inf))
+        if description.home is not None:
+            because = _in_hands(camera, description, clock, memory, yield_s)
+            if because:
+                return Parked(True, f"left alone: {because}")
+        camera.watched_by(watching(description, math.inf, memory))
     except CameraError as problem:
         return Parked(False, str(problem))
     return sent_home(camera, description)
@@ -74,14 +100,19 @@ def sent_home(camera: Camera, description: CameraDescription) -> Parked:
     return Parked(False, f"{move.outcome}: {move.because}")
 
 
-def _comes_to_rest(camera: Camera, description: CameraDescription, clock: Clock) -> bool:
+def _in_hands(camera: Camera, description: CameraDescription, clock: Clock, memory: Memory, yield_s: float) -> str:
+    """Why a camera is somebody's; empty if it is not."""
+    here = camera.position(_BUDGET_S)
+    still_s = still_for_s(memory, yield_s, description.tolerance_deg, here)
+    if still_s is not None:
+        return f"{MOVED} {still_s:.0f} s ago"
     until = clock.now() + description.move_deadline_s
-    before = camera.position(_BUDGET_S)
     while True:
         clock.sleep(_STILL_S)
         now = camera.position(_BUDGET_S)
-        if now.agrees(before, description.tolerance_deg):
-            return True
+        if now.agrees(here, description.tolerance_deg):
+            return ""
         if clock.now() >= until:
-            return False
-        before = now
+            memory.keep(Stood(now, 0.0))
+            return "somebody else turns it"
+        here = now

@@ -3,7 +3,8 @@
 Every position that the camera tells and every move that is asked of it is followed. A position is ours if the camera
 stands where it stood, or can be on the way to somewhere it was sent; any other is evidence of somebody else. Failures
 take nothing from that: a command of which nobody knows whether it came through may take effect for half a minute more.
-Only after a silence in which the camera may have rebooted nothing is expected of it until it stands still again.
+Only after a silence in which the camera may have rebooted nothing is expected of it until it stands still again. Who
+was moved is remembered for the one who commands the camera next.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from dataclasses import dataclass
 from surveillance_domain.cameras.base import Position
 from surveillance_domain.cameras.witness import MOVED, Witness
 from surveillance_domain.site.camera import Camera as CameraDescription
+from surveillance_domain.world.memory import Memory, Stood, still_for_s
 from surveillance_domain.world.way import Speeds, along, least_time_s, places_on_the_way
 
 __all__ = ["HELD", "MOVED", "Yielding", "taken", "watching"]
@@ -59,12 +61,21 @@ class Yielding(Witness):
         Of pan, tilt and zoom, as far as they are known.
     settle_s : float
         How long it takes to come to rest.
+    memory : Memory, optional
+        Of the camera, from before, and for later.
     """
 
     def __init__(
-        self, tolerance_deg: float, yield_s: float, speeds: Speeds = (None, None, None), settle_s: float = 0.0
+        self,
+        tolerance_deg: float,
+        yield_s: float,
+        speeds: Speeds = (None, None, None),
+        settle_s: float = 0.0,
+        memory: Memory | None = None,
     ) -> None:
         self._tolerance_deg, self._yield_s, self._speeds = tolerance_deg, yield_s, speeds
+        self._memory = memory or Memory()
+        self._remembered = still_for_s(self._memory, yield_s, tolerance_deg, None) is not None
         self._pace_s = max(_LEAST_PACE_S, 2 * settle_s)
         self._lock = threading.Lock()
         self._place: Position | None = None
@@ -79,7 +90,7 @@ class Yielding(Witness):
     @property
     def yields(self) -> bool:
         """Whether somebody else has it."""
-        return self._still_since is not None
+        return self._remembered or self._still_since is not None
 
     def let_go(self) -> None:
         """It is held by people: until it is commanded again, nothing is expected of it."""
@@ -109,19 +120,32 @@ class Yielding(Witness):
             if self._failed and now_s - self._last_s >= _BOOT_S:
                 self._place, self._asked, self._rebooted = None, [], True
             self._failed = False
-            if self._still_since is not None:
+            if self._remembered:
+                self._look_again(position, now_s)
+            elif self._still_since is not None:
                 self._wait(position, self._still_since, now_s)
             elif not self._ours(position, asked_s, now_s):
-                self._still_since, self._place, self._asked = now_s, None, []
+                self._place, self._asked = None, []
+                self._moved(position, now_s)
             self._last, self._last_s = position, now_s
+
+    def _look_again(self, position: Position, now_s: float) -> None:
+        """Somebody had it before anybody here looked; whether it still stands there."""
+        still_s = still_for_s(self._memory, self._yield_s, self._tolerance_deg, position)
+        self._still_since, self._remembered = None if still_s is None else now_s - still_s, False
 
     def _wait(self, position: Position, still_since: float, now_s: float) -> None:
         """Somebody has it; once it has been still for long enough, nobody has."""
         if self._last is None or not position.agrees(self._last, self._tolerance_deg):
-            self._still_since = now_s
+            self._moved(position, now_s)
         elif now_s - still_since >= self._yield_s:
             self._still_since = None
+            self._memory.keep(None)
             self._stands(position, now_s)
+
+    def _moved(self, position: Position, now_s: float) -> None:
+        self._still_since = now_s
+        self._memory.keep(Stood(position, 0.0))
 
     def _ours(self, position: Position, asked_s: float, now_s: float) -> bool:
         """Whether a position is explained by what was asked; where it stands is taken from it then."""
@@ -199,10 +223,10 @@ class Yielding(Witness):
                         yield number
 
 
-def watching(camera: CameraDescription, yield_s: float) -> Yielding:
+def watching(camera: CameraDescription, yield_s: float, memory: Memory | None = None) -> Yielding:
     """Who watches a camera, by what the site says of it."""
     speeds = (camera.pan_deg_per_s, camera.tilt_deg_per_s, camera.zoom_per_s)
-    return Yielding(camera.tolerance_deg, yield_s, speeds, camera.settle_s)
+    return Yielding(camera.tolerance_deg, yield_s, speeds, camera.settle_s, memory)
 
 
 def taken(watched: Mapping[str, Yielding], held: Collection[str]) -> dict[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import socket
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -148,10 +148,12 @@ def test_state_of_a_site(tmp_path: Path) -> None:
     assert mine.held() == {"north-east"}
     with pytest.raises(ValueError, match=r"no camera 'west' \(there are: south, north-west, north-east\)"):
         mine.hold("west")
-    (tmp_path / "held.json").write_text("{ torn")
+    (kept,) = tmp_path.glob("*.held")
+    kept.unlink()
+    kept.symlink_to(kept)  # there, and cannot be asked for
     assert mine.held() == {"north-east"}  # what is not known has not changed
-    (tmp_path / "held.json").write_text(json.dumps(["north-east", "elsewhere"]))
-    assert mine.held() == {"north-east"}
+    kept.unlink()
+    assert mine.held() == frozenset()
     with (
         mine.locked(),
         pytest.raises(AlreadyRun, match=r"run already, by process \d+; stop that one first"),
@@ -192,8 +194,56 @@ def test_a_camera_is_commanded_by_one_site_file_only(tmp_path: Path) -> None:
 
 @pytest.mark.example
 def test_whether_a_hold_is_heeded(tmp_path: Path) -> None:
-    mine, theirs = WatchState(lego(), tmp_path), WatchState(lego(), tmp_path)
-    assert not mine.heeded()
+    mine, theirs = WatchState(lego(), tmp_path), WatchState(lego("north-east"), tmp_path)
+    assert not mine.heeded("south")
     with theirs.heeding(), mine.heeding():
-        assert mine.heeded()
-    assert not mine.heeded()
+        assert mine.heeded("south")
+    with theirs.heeding():
+        assert mine.heeded("south")
+        assert not mine.heeded("north-east")  # there is a run, but not of that camera
+    assert not mine.heeded("south")
+
+
+def _at(url: str, name: str, folder: Path, monkeypatch: pytest.MonkeyPatch, **names: list[str]) -> WatchState:
+    """The state of a site with one camera, where a name server knows some names."""
+
+    def found(host: str, *rest: object, **more: object) -> list[tuple[object, ...]]:
+        if host not in names:
+            raise socket.gaierror(-2, "Name or service not known")
+        return [(socket.AF_INET, socket.SOCK_STREAM, 6, "", (number, 0)) for number in names[host]]
+
+    monkeypatch.setattr(socket, "getaddrinfo", found)
+    site = lego()
+    return WatchState(
+        replace(site, cameras=(site.cameras[0].model_copy(update={"name": name, "url": url}),)), folder / name
+    )
+
+
+@pytest.mark.example
+def test_a_camera_is_held_by_its_address_for_all_site_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not by a site file's own name for it, nor by how its host is written; ports tell cameras apart."""
+    by_name = _at("http://yard.lan", "yard", tmp_path, monkeypatch, **{"yard.lan": ["10.0.0.9"]})
+    by_number = _at("http://10.0.0.9/", "south", tmp_path, monkeypatch)
+    other = _at("http://10.0.0.9:8080", "east", tmp_path, monkeypatch)
+    by_name.hold("yard")
+    assert (by_name.held(), by_number.held(), other.held()) == ({"yard"}, {"south"}, frozenset())
+    with by_number.heeding():
+        assert by_name.heeded("yard")
+        assert not other.heeded("east")
+    with by_number.locked(), pytest.raises(AlreadyRun, match="as camera 'south'"), by_name.locked():
+        pass
+    by_number.hold("south", hold=False)
+    assert by_name.held() == frozenset()
+
+
+@pytest.mark.example
+def test_a_hold_stands_while_the_name_server_is_away_and_after_the_address_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _at("http://yard.lan", "yard", tmp_path, monkeypatch, **{"yard.lan": ["10.0.0.9"]}).hold("yard")
+    unresolved = _at("http://yard.lan", "yard", tmp_path, monkeypatch)
+    assert unresolved.held() == {"yard"}
+    moved = _at("http://yard.lan", "yard", tmp_path, monkeypatch, **{"yard.lan": ["10.0.0.7"]})
+    assert moved.held() == {"yard"}
+    moved.hold("yard", hold=False)
+    assert not list((tmp_path / "cameras").glob("*.held"))  # that of the old number, too

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from factored_pomdp.commands.answers import AsJson, InputError, answer, side_console
-from surveillance_domain.commands.options import Progress, Seed, input_checked
+from surveillance_domain.commands.options import Progress, Seed
 from surveillance_domain.commands.recordings import (
     Columns,
     FastestMps,
@@ -17,8 +17,9 @@ from surveillance_domain.commands.recordings import (
     HomographyFile,
     MaxGap,
     MetresPerUnit,
+    about,
     conventions,
-    offset_of,
+    placement_of,
     read_tracks,
 )
 
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from surveillance_domain.trajectories.learning import Learned
     from surveillance_domain.trajectories.prior import PlacedPrior
     from surveillance_domain.trajectories.staging import Placement
-    from surveillance_domain.trajectories.tracks import Track, Tracks
 
 __all__ = ["learn"]
 
@@ -81,6 +81,7 @@ def learn(
 
     from surveillance_domain.commands.folder import ready_folder
     from surveillance_domain.commands.learn_answer import carried, learned_content, shown_learned
+    from surveillance_domain.commands.learn_input import read_all, together
     from surveillance_domain.commands.learn_site import checked_site, write_learned
     from surveillance_domain.commands.progress import progress_bar
     from surveillance_domain.trajectories.learning import Wanted, learn_motion
@@ -90,31 +91,34 @@ def learn(
             raise InputError(f"{name} {value:g}: expected a number above 0")
     if picture is not None and (picture.suffix.lower() not in (".png", ".svg") or picture.is_dir()):
         raise InputError(f"--picture {picture}: expected the name of a file that ends in .png")
-    files = list(dict.fromkeys(trajectories))
-    placement = _placement(offset_m, rotate_deg, write, len(files))
+    placement = _placement(offset_m, rotate_deg, write, len(set(trajectories)))
     site = None if write is None else checked_site(write, step_s, cell_m, placement is not None)
     given = conventions(frames_per_s, metres_per_unit, homography, columns)
     if picture is not None:
         ready_folder(picture.parent)
     rng = np.random.default_rng(seed)
-    size = sum(path.stat().st_size for path in files if path.is_file())
+    size = sum(path.stat().st_size for path in set(trajectories) if path.is_file())
     with progress_bar("reading", _WORK * size, progress) as advance:
-        found = {path: read_tracks(path, given, max_gap_s, fastest_mps, advance) for path in files}
-        tracks = _together(found, step_s)
-        wanted = Wanted(step_s, cell_m, speeds, directions, held_out, prior=len(files) == 1)
-        with input_checked():
+        found, passed_over = read_all(
+            trajectories, lambda path: read_tracks(path, given, max_gap_s, fastest_mps, advance)
+        )
+        for told in passed_over:
+            _warn(told)
+        tracks = together(found, step_s)
+        wanted = Wanted(step_s, cell_m, speeds, directions, held_out, prior=len(found) == 1)
+        with about(found):
             learned = learn_motion(
                 tracks, wanted, rng, lambda share, doing: advance(round(share * (_WORK - 1) * size), doing)
             )
             placed = None if site is None or placement is None else _placed(learned, site, placement)
-    content = learned_content(found, learned, wanted, placed)
+    content = learned_content(found, passed_over, learned, wanted, placed)
     written = []
     if picture is not None:
-        written += _draw(learned, picture, [path.name for path in files], rng)
+        written += _draw(learned, picture, [path.name for path in found], rng)
     if write is not None and site is not None:
         written += write_learned(site, learned.fit, placed)
         if placed is None:
-            _tell_of_prior(write, len(files))
+            _tell_of_prior(write, len(found))
     if learned.judged.impossible > _OFTEN_IMPOSSIBLE:
         _warn(
             f"{learned.judged.impossible:.0%} of the held-out steps end, in part, in cells that {directions} "
@@ -131,8 +135,6 @@ def _warn(text: str) -> None:
 
 def _placement(offset_m: str | None, rotate_deg: float | None, write: Path | None, files: int) -> Placement | None:
     """Where the recording lies in the site, if it was said."""
-    from surveillance_domain.trajectories.staging import Placement
-
     if offset_m is None and rotate_deg is None:
         return None
     if write is None:
@@ -142,27 +144,7 @@ def _placement(offset_m: str | None, rotate_deg: float | None, write: Path | Non
             f"--offset-m and --rotate-deg with {files} files, each in a frame of its own: expected one file, whose "
             "people tell where in the site they are"
         )
-    return Placement((0.0, 0.0) if offset_m is None else offset_of(offset_m), rotate_deg or 0.0)
-
-
-def _together(found: Mapping[Path, Tracks], step_s: float) -> list[Track]:
-    """The tracks of all files; people of different files are different people.
-
-    Raises
-    ------
-    InputError
-        If the step is finer than a recording: what lies between its points is interpolated, and never turns.
-    """
-    from dataclasses import replace
-
-    tracks: list[Track] = []
-    for path, one in found.items():
-        if step_s < one.frame_s * (1 - 1e-6):
-            raise InputError(f"{path}: recorded every {one.frame_s:.3g} s; expected a --step-s no shorter than that")
-        tracks += [replace(track, name=f"{track.name} of {path}") for track in one.tracks]
-    if len({track.name for track in tracks}) < 2:
-        raise InputError(f"{', '.join(map(str, found))}: one person alone; expected two or more, one to be held out")
-    return tracks
+    return placement_of(offset_m or "0,0", rotate_deg or 0.0)
 
 
 def _placed(learned: Learned, site: Site, placement: Placement) -> PlacedPrior:

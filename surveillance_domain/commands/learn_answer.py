@@ -23,9 +23,23 @@ _RIVALS = {"random_walk": "a random walk", "constant_velocity": "constant veloci
 
 
 def learned_content(
-    found: Mapping[Path, Tracks], learned: Learned, wanted: Wanted, placed: PlacedPrior | None
+    found: Mapping[Path, Tracks],
+    passed_over: Sequence[str],
+    learned: Learned,
+    wanted: Wanted,
+    placed: PlacedPrior | None,
 ) -> dict[str, Any]:
-    """What was learned and how it was judged, and the prior as it was placed into a site."""
+    """What was learned and how it was judged, and the prior as it was placed into a site.
+
+    Parameters
+    ----------
+    found : mapping of Path to Tracks
+    passed_over : sequence of str
+        Which files were not used, and why.
+    learned : Learned
+    wanted : Wanted
+    placed : PlacedPrior or None
+    """
     from functools import reduce
     from operator import add
 
@@ -49,7 +63,10 @@ def learned_content(
         else {key: value for key, value in vars(placed).items() if key != "probability"},
         "counts": reduce(add, (one.counts for one in found.values())).as_dict(),
         "recorded_every_s": {str(path): one.frame_s for path, one in found.items()},
-        "warnings": [f"{path}: {warning}" for path, one in found.items() for warning in one.warnings],
+        "warnings": [
+            *passed_over,
+            *(f"{path}: {warning}" for path, one in found.items() for warning in one.warnings),
+        ],
         "faults": [{"file": str(path), **asdict(fault)} for path, one in found.items() for fault in one.findings],
     }
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,6 +16,7 @@ from surveillance_domain.commands.options import input_checked
 
 if TYPE_CHECKING:
     from surveillance_domain.trajectories.conventions import Conventions
+    from surveillance_domain.trajectories.staging import Placement
     from surveillance_domain.trajectories.tracks import Tracks
 
 __all__ = [
@@ -25,17 +28,18 @@ __all__ = [
     "MetresPerUnit",
     "OffsetM",
     "RotateDeg",
+    "about",
     "conventions",
     "count_lines",
     "digest_of",
-    "offset_of",
+    "placement_of",
     "read_tracks",
 ]
 
 FramesPerS = Annotated[
     float | None,
     typer.Option(
-        help="Of all files (ETH 15, UCY 25); not needed with TrajNet++, or with a column time_s. For one file alone: "
+        help="Of all files that count frames (ETH 15, UCY 25); not needed with TrajNet++. For one file alone: "
         "the line frames_per_s = 15 in its sidecar, FILE.toml beside FILE."
     ),
 ]
@@ -73,7 +77,8 @@ def conventions(
             raise InputError(f"{name} {value:g}: expected a number above 0")
     with input_checked():
         matrix = None if homography is None else read_homography(homography)
-    return Conventions(frames_per_s, metres_per_unit, matrix, columns=_columns(columns))
+    told_by = f"--homography {homography}"
+    return Conventions(frames_per_s, metres_per_unit, matrix, columns=_columns(columns), homography_from=told_by)
 
 
 def _columns(text: str | None) -> dict[str, str] | None:
@@ -86,20 +91,34 @@ def _columns(text: str | None) -> dict[str, str] | None:
     return {key.strip(): header.strip() for key, _, header in pairs}
 
 
-def offset_of(text: str) -> tuple[float, float]:
-    """A point such as ``3.5,-2``.
+def placement_of(offset_m: str, rotate_deg: float) -> Placement:
+    """Where a recording lies in a site, from an offset such as ``3.5,-2`` and an angle.
 
     Raises
     ------
     InputError
-        For anything else.
+        For an offset that is not two finite numbers, or an angle that is none.
     """
     from surveillance_domain.trajectories.rows import number_of
+    from surveillance_domain.trajectories.staging import Placement
 
-    numbers = [number for number in map(number_of, text.split(",")) if number is not None]
-    if len(numbers) != 2 or text.count(",") != 1:
-        raise InputError(f"--offset-m {text}: expected two numbers, such as 3.5,-2")
-    return numbers[0], numbers[1]
+    numbers = [number for number in map(number_of, offset_m.split(",")) if number is not None]
+    if len(numbers) != 2 or offset_m.count(",") != 1:
+        raise InputError(f"--offset-m {offset_m}: expected two numbers, such as 3.5,-2")
+    if not math.isfinite(rotate_deg):
+        raise InputError(f"--rotate-deg {rotate_deg:g}: expected a number of degrees, such as -90")
+    return Placement((numbers[0], numbers[1]), rotate_deg)
+
+
+@contextmanager
+def about(files: Iterable[Path]) -> Iterator[None]:
+    """What is wrong with recordings becomes one message that names their files."""
+    try:
+        yield
+    except InputError:
+        raise
+    except ValueError as problem:
+        raise InputError(f"{', '.join(map(str, files))}: {problem}") from problem
 
 
 def read_tracks(

@@ -31,10 +31,11 @@ from surveillance_domain.commands.recordings import (
     MetresPerUnit,
     OffsetM,
     RotateDeg,
+    about,
     conventions,
     count_lines,
     digest_of,
-    offset_of,
+    placement_of,
     read_tracks,
 )
 from surveillance_domain.commands.run_answer import measured, shown_runs, write_run
@@ -89,18 +90,18 @@ def replay(
     from surveillance_domain.commands.folder import ready_folder
     from surveillance_domain.experiments.variants import ALL_NAMES
     from surveillance_domain.site.load import load_site
-    from surveillance_domain.trajectories.staging import Placement, staged, windows
+    from surveillance_domain.trajectories.staging import staged, windows
 
     (name, *others) = read_controllers(controller)
     if others:
         raise InputError(f"--controller {controller}: expected one controller")
-    placement = Placement(offset_of(offset_m), rotate_deg)
+    placement = placement_of(offset_m, rotate_deg)
     given = conventions(frames_per_s, metres_per_unit, homography, columns)
     changed = overrides(option, detection_probability, cell_noise_m)
     with input_checked():
         found = load_site(site).with_overrides(**changed)
     tracks = read_tracks(trajectories, given, max_gap_s, fastest_mps)
-    with input_checked():
+    with about([trajectories]):
         stage = staged(tracks.tracks, found.grid, placement, found.control.step_s)
         pieces, empty = windows(stage, steps, runs, round(start_s / found.control.step_s))
     if not pieces:

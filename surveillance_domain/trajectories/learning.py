@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surveillance_domain.trajectories.far_away import refuse_far_people
 from surveillance_domain.trajectories.fitting import MotionFit, fit_motion
 from surveillance_domain.trajectories.held_out import HeldOut, held_out_log_likelihood
 from surveillance_domain.trajectories.on_grid import check_grid_model
@@ -85,12 +86,15 @@ def learn_motion(
     Raises
     ------
     ValueError
-        If nobody walks two steps on end, or the cells are too small to be judged on.
+        If nobody walks two steps on end, people are too far apart for a prior over cells, or the cells are too small to
+        be judged on.
     """
     told = advance or (lambda share, doing: None)
     told(0.0, "taking steps")
     ordered = in_order_of_content(tracks)
     everyone = transitions(ordered, wanted.step_s)
+    if wanted.prior and ordered:
+        refuse_far_people(ordered, wanted.cell_m)
     prior = cell_prior(everyone.points_m, wanted.cell_m) if wanted.prior and len(everyone.points_m) else None
     training, rest = split_people(ordered, wanted.held_out, rng)
     told(0.2, "fitting")

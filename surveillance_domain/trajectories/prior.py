@@ -10,9 +10,9 @@ from jaxtyping import Bool, Float, Int
 from surveillance_domain.site.grid import Grid
 from surveillance_domain.trajectories.staging import Placement, nobody_on_map, on_free_cells
 
-__all__ = ["CellPrior", "PlacedPrior", "cell_prior", "cells_of_half", "placed_prior"]
+__all__ = ["MOST_CELLS", "CellPrior", "PlacedPrior", "cell_prior", "cells_of_half", "cells_over", "placed_prior"]
 
-_MOST_CELLS = 4_000_000
+MOST_CELLS = 4_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +33,13 @@ class CellPrior:
     probability: Float[np.ndarray, "rows columns"]
 
 
+def cells_over(points_m: Float[np.ndarray, "points 2"], cell_m: float) -> tuple[int, int]:
+    """Columns and rows of the rectangle of cells that points lie in."""
+    low, high = (np.floor(end / cell_m) for end in (points_m.min(axis=0), points_m.max(axis=0)))
+    columns, rows = (high - low + 1).tolist()
+    return int(columns), int(rows)
+
+
 def cell_prior(points_m: Float[np.ndarray, "points 2"], cell_m: float, smoothing: float = 0.5) -> CellPrior:
     """Share of the time that people spend in each cell, with ``smoothing`` visits to every cell added.
 
@@ -41,11 +48,11 @@ def cell_prior(points_m: Float[np.ndarray, "points 2"], cell_m: float, smoothing
     ValueError
         If the points spread over more than four million cells.
     """
+    columns, rows = cells_over(points_m, cell_m)
+    if columns * rows > MOST_CELLS:
+        raise ValueError(f"people spread over {columns:,} x {rows:,} cells of {cell_m:g} m; give a larger --cell-m")
     low = np.floor(points_m.min(axis=0) / cell_m)
     cells = (np.floor(points_m / cell_m) - low).astype(np.int64)
-    columns, rows = (cells.max(axis=0) + 1).tolist()
-    if columns * rows > _MOST_CELLS:
-        raise ValueError(f"people spread over {columns:,} x {rows:,} cells of {cell_m:g} m; give a larger --cell-m")
     counts = np.bincount(cells[:, 1] * columns + cells[:, 0], minlength=rows * columns).reshape(rows, columns)
     weights = counts + smoothing
     return CellPrior((float(low[0] * cell_m), float(low[1] * cell_m)), cell_m, weights / weights.sum())

@@ -31,6 +31,13 @@ def people(tmp_path: Path) -> Path:
     return path
 
 
+def a_little_later(people: Path) -> str:
+    """The same ways a minute later: other people, of the same names."""
+    return "\n".join(
+        f"{int(line.split()[0]) + 1200} {line.split(' ', 1)[1]}" for line in people.read_text().splitlines()
+    )
+
+
 @pytest.mark.end_to_end
 def test_learn_writes_a_site_and_a_picture(surveillance: Callable[..., Any], people: Path, tmp_path: Path) -> None:
     site = tmp_path / "site.toml"
@@ -108,7 +115,7 @@ def test_what_is_wrong_is_told_in_one_message(
 @pytest.mark.end_to_end
 def test_two_scenes_together_have_no_common_prior(surveillance: Callable[..., Any], people: Path) -> None:
     other = people.with_name("others.txt")
-    other.write_text(people.read_text())
+    other.write_text(a_little_later(people))
     answer = surveillance("learn", people, other, "--step-s", 0.5, "--cell-m", 1, "--frames-per-s", 20, "--json")
     assert answer.code == 0
     assert answer.json["trajectories"] == 24  # the same names, but other people
@@ -205,7 +212,7 @@ def test_tiny_cells_are_refused_with_the_size(surveillance: Callable[..., Any], 
     assert answer.code == 2
     assert "cells of 0.001 m; give a larger --cell-m" in answer.err
     other = people.with_name("others.txt")
-    other.write_text(people.read_text())
+    other.write_text(a_little_later(people))
     answer = surveillance("learn", people, other, "--step-s", 0.5, "--cell-m", 1e-4, "--frames-per-s", 20)
     assert answer.code == 2
     assert "GB), the longest move in 0.5 s going over 10,000 cells" in answer.err

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import functools
 import json
 import os
@@ -46,7 +47,7 @@ class Refused(Exception):
 
 
 def guarded(command: Callable[..., None]) -> Callable[..., None]:
-    """The command with wrong input, refusals and Ctrl-C turned into one message and an exit code."""
+    """The command with wrong input, refusals, unusable files and Ctrl-C turned into one message and an exit code."""
 
     @functools.wraps(command)
     def run(*arguments: Any, **options: Any) -> None:
@@ -60,6 +61,10 @@ def guarded(command: Callable[..., None]) -> Callable[..., None]:
             _refuse(str(problem), 1, as_json=bool(options.get("as_json")))
         except TooLarge as problem:
             _refuse(f"too large: {problem}", 1, as_json=bool(options.get("as_json")))
+        except OSError as problem:
+            if problem.errno is None or problem.errno == errno.EPIPE:  # not about a file; whoever read has gone away
+                raise
+            _refuse(_failed(problem), 2, as_json=bool(options.get("as_json")))
         except KeyboardInterrupt:
             _refuse("interrupted", INTERRUPTED, as_json=bool(options.get("as_json")))
 
@@ -129,6 +134,12 @@ def _console(*, stderr: bool) -> Console:
     if not console.is_terminal:
         console.width = 160
     return console
+
+
+def _failed(problem: OSError) -> str:
+    """Such as ``night.png: no space left on device``."""
+    where = f"{problem.filename}: " if problem.filename else ""
+    return where + (problem.strerror or str(problem)).lower()
 
 
 def _refuse(message: str, code: int, *, as_json: bool) -> None:

@@ -90,6 +90,9 @@ def _write(figure: Figure, path: Path, options: Mapping[str, Any]) -> None:
         os.umask(umask)
         os.chmod(name, 0o666 & ~umask)
         os.replace(name, path)
+    except OSError as problem:  # what goes wrong in the middle of writing does not say where
+        Path(name).unlink(missing_ok=True)
+        raise OSError(problem.errno, problem.strerror, str(path)) from problem
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise

@@ -31,7 +31,7 @@ def ready_folder(path: Path) -> Path:
         with tempfile.TemporaryFile(dir=path):
             pass
     except OSError as problem:
-        raise InputError(f"cannot write in {path}: {(problem.strerror or str(problem)).lower()}") from None
+        raise InputError(_unwritable(path, problem)) from None
     return path
 
 
@@ -40,14 +40,27 @@ def whole_folder(path: Path) -> Iterator[Path]:
     """A folder to write into; its files appear under ``path`` when all are written, and not at all otherwise.
 
     ``provenance.json`` comes last. Files of other names that were there stay.
+
+    Raises
+    ------
+    InputError
+        If they cannot be written, as on a full disk.
     """
-    workshop = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=path))
+    workshop = None
     try:
+        workshop = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=path))
         yield workshop
         for file in sorted(workshop.iterdir(), key=lambda file: (file.name == PROVENANCE, file.name)):
             os.replace(file, path / file.name)
+    except OSError as problem:
+        raise InputError(_unwritable(path, problem)) from problem
     finally:
-        shutil.rmtree(workshop, ignore_errors=True)
+        if workshop is not None:
+            shutil.rmtree(workshop, ignore_errors=True)
+
+
+def _unwritable(path: Path, problem: OSError) -> str:
+    return f"cannot write in {path}: {(problem.strerror or str(problem)).lower()}"
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:

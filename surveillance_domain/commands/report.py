@@ -29,7 +29,7 @@ def report(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Sum up a night from its record: outages with cause and mend, held cameras, restarts, what was seen."""
+    """Sum up a night: when nobody watched, outages with cause and mend, held cameras, restarts, what was seen."""
     from surveillance_domain.commands.report_content import content_of, shown, write_report
 
     surveillance, trouble = _model(record)
@@ -61,6 +61,7 @@ def _summed_up(record: Path, surveillance: Surveillance | None) -> Morning:
     from functools import lru_cache
 
     from surveillance_domain.control.morning import Morning
+    from surveillance_domain.control.record import is_being_written
 
     if surveillance is None:
         morning = Morning()
@@ -76,7 +77,7 @@ def _summed_up(record: Path, surveillance: Surveillance | None) -> Morning:
         morning = Morning(lambda looks: share(tuple(looks[camera.name] for camera in cameras)))
     for line in lines_of(record):
         morning.take(line)
-    morning.end()
+    morning.end(running=is_being_written(record), whole=record.is_dir())
     return morning
 
 
@@ -86,7 +87,7 @@ def _why(record: Path, morning: Morning, surveillance: Surveillance | None, trou
 
     if surveillance is None:
         raise InputError(f"--step {step}: {trouble}")
-    refilter, run, taken = Refilter(surveillance), morning.runs[-1]["run"], 0
+    refilter, run, taken = Refilter(surveillance), morning.continuity.runs[-1].header["run"], 0
     inside = False
     for line in lines_of(record):
         if line["kind"] == "header":

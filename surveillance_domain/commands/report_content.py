@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
-from datetime import datetime
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from factored_pomdp.commands.answers import COMMAND_LINE, table
 from surveillance_domain.commands.folder import ready_folder, whole_folder
+from surveillance_domain.commands.report_watch import clock, gap_rows, headline, lasting, run_rows, watch_content
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,6 +30,7 @@ _FRAME = """<!doctype html>
 <style>
 body {{ font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; max-width: 60rem; margin: 2rem auto; padding: 0 1rem }}
 figure {{ margin: 1rem 0 }}
+.alarm {{ border-left: .4rem solid #d55e00; padding-left: .8rem; font-weight: 600 }}
 svg {{ max-width: 100%; height: auto }}
 table {{ border-collapse: collapse; font-variant-numeric: tabular-nums }}
 th, td {{ padding: .2rem .8rem .2rem 0; text-align: left; vertical-align: top; border-bottom: 1px solid #ddd }}
@@ -49,14 +50,14 @@ th, td {{ padding: .2rem .8rem .2rem 0; text-align: left; vertical-align: top; b
 
 def content_of(record: Path, morning: Morning, why: Mapping[str, Any] | None, trouble: str) -> dict[str, Any]:
     """What JSON has."""
-    series = morning.series
+    series, last = morning.series, morning.continuity.runs[-1].header
     return {
         "record": str(record),
-        "site": morning.runs[-1]["site"],
-        "controller": morning.runs[-1]["controller"],
-        "runs": [{key: one[key] for key in ("run", "command", "version")} for one in morning.runs],
+        "site": last["site"],
+        "controller": last["controller"],
+        **watch_content(morning.continuity),
         "steps": morning.steps,
-        "hours": series.hours[-1],
+        "hours": morning.continuity.hours,
         "percent_obs": _percent(series.seen, series.present) if "emulated" in _kinds(morning) else None,
         "seen": _mean(series.seen),
         "seen_beyond": morning.beyond / morning.steps,
@@ -73,7 +74,7 @@ def content_of(record: Path, morning: Morning, why: Mapping[str, Any] | None, tr
 
 
 def _kinds(morning: Morning) -> set[str]:
-    return {"emulated" if run["emulated"] else "real" for run in morning.runs}
+    return {"emulated" if run.header["emulated"] else "real" for run in morning.continuity.runs}
 
 
 def _percent(seen: Sequence[float], present: Sequence[float]) -> float | None:
@@ -104,23 +105,15 @@ Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 
 def _tables(content: Mapping[str, Any]) -> list[Table]:
     """Titles, heads and rows, for text and HTML alike."""
-    tables: list[Table] = [("", ("the night", "found"), _facts(content))]
-    for key, title, heads in (
-        ("outages", "Outages", ("camera", "from", "for", "cause", "mend")),
-        ("held", "Cameras that people had", ("camera", "from", "for", "why")),
-    ):
-        rows = [
-            (
-                one["camera"],
-                _clock(one["began"]),
-                _for(one),
-                one["because"],
-                *([one["mend"]] if key == "outages" else []),
-            )
-            for one in content[key]
-        ]
-        tables.append((title, heads, rows))
-    restarts = [(str(one["step"]), _clock(one["written"]), ", ".join(one["restarted"])) for one in content["restarts"]]
+    unwatched, unrecorded = gap_rows(content)
+    cameras = [(one["began"], (*_spell_row(one), one["mend"])) for one in content["outages"]]
+    outages = [*unwatched, *(row for _, row in sorted([*cameras, *unrecorded], key=lambda one: one[0]))]
+    tables: list[Table] = [
+        ("", ("the night", "found"), _facts(content)),
+        ("Outages", ("camera", "from", "for", "cause", "mend"), outages),
+        ("Cameras that people had", ("camera", "from", "for", "why"), [_spell_row(one) for one in content["held"]]),
+    ]
+    restarts = [(str(one["step"]), clock(one["written"]), ", ".join(one["restarted"])) for one in content["restarts"]]
     tables.append(("Beliefs that were started anew", ("step", "at", "targets"), restarts))
     if content["why"] is not None:
         tables += _why_tables(content["why"])
@@ -129,8 +122,8 @@ def _tables(content: Mapping[str, Any]) -> list[Table]:
 
 def _facts(content: Mapping[str, Any]) -> list[tuple[str, str]]:
     rows = [("site, controller", f"{content['site']}, {content['controller']}")]
-    rows += [(f"run {number}", _clock(run["run"])) for number, run in enumerate(content["runs"], 1)]
-    rows.append(("steps, hours", f"{content['steps']:,}, {content['hours']:.2f}"))
+    rows += run_rows(content)
+    rows.append(("steps recorded", f"{content['steps']:,}"))
     for key, name, form in (
         ("percent_obs", "PercentObs", "{:.1f} %"),
         ("seen", "targets seen a step", "{:.2f}"),
@@ -169,7 +162,7 @@ def _why_tables(why: Mapping[str, Any]) -> list[Table]:
     if not why["exact"]:
         facts.append(("but", "the record does not begin with its run: the belief is near, not exact"))
     others = [(presets(one["presets"]), value(one["value"])) for one in why["alternatives"]]
-    title = f"Step {why['step']}, {_clock(why['written'])}"
+    title = f"Step {why['step']}, {clock(why['written'])}"
     return [(title, ("the choice", "found"), facts), ("The best alternatives", ("presets", "value"), others)]
 
 
@@ -177,26 +170,14 @@ def _place(target: str, cell: Sequence[int], beyond: Mapping[str, str]) -> str:
     return f"{target} at {cell[0]},{cell[1]}" + (f" (beyond the view of {beyond[target]})" if target in beyond else "")
 
 
-def _clock(moment: str) -> str:
-    """In local time."""
-    return datetime.fromisoformat(moment).astimezone().strftime("%Y-%m-%d %H:%M:%S")
-
-
-def _for(spell: Mapping[str, Any]) -> str:
-    seconds = spell["seconds"]
-    told = (
-        f"{seconds:.0f} s"
-        if seconds < 120
-        else f"{seconds / 60:.0f} min"
-        if seconds < 7200
-        else f"{seconds / 3600:.1f} h"
-    )
-    return told + ("" if spell["over"] else ", to the end")
+def _spell_row(spell: Mapping[str, Any]) -> tuple[str, ...]:
+    length = lasting(spell["seconds"]) + ("" if spell["over"] else ", to the end")
+    return spell["camera"], clock(spell["began"]), length, spell["because"]
 
 
 def shown(content: Mapping[str, Any]) -> list[RenderableType]:
     """The page as text."""
-    parts: list[RenderableType] = []
+    parts: list[RenderableType] = [*headline(content)]
     for title, heads, rows in _tables(content):
         if not rows:
             parts.append(f"{title}: none")
@@ -233,7 +214,8 @@ def write_report(out: Path, content: Mapping[str, Any], morning: Morning) -> lis
 
 def _html(content: Mapping[str, Any], chart: str) -> str:
     """The page in one file, so that it can be mailed; on a phone the rows of wide tables become lists."""
-    parts = []
+    alarm = ' class="alarm"' if content["unwatched"] else ""
+    parts = [f"<p{alarm}>{'<br>'.join(map(escape, headline(content)))}</p>"]
     for title, heads, rows in _tables(content):
         if title:
             parts.append(f"<h2>{escape(title)}</h2>")
@@ -272,4 +254,5 @@ def _picture(morning: Morning) -> Figure:
         gaps[spell.camera].append((spell.began_h, spell.began_h + spell.seconds / 3600))
     kinds = _kinds(morning)
     label = "targets seen, of those there" if kinds == {"emulated"} else "targets seen, of those known of"
-    return draw_night(hours, share, coverage, gaps, label)
+    unwatched = [(one.began_h, one.began_h + one.seconds / 3600) for one in morning.continuity.unwatched]
+    return draw_night(hours, share, coverage, gaps, label, unwatched)

@@ -1,4 +1,4 @@
-"""What a night came to: outages with cause and mend, held cameras, restarts, and how much was seen, from its record."""
+"""What a night came to, from its record: runs and gaps, outages with cause and mend, restarts, how much was seen."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from datetime import datetime
 from typing import Any
 
 from surveillance_domain.cameras.base import HealthState, Outcome
-from surveillance_domain.cameras.errors import LoginRefused
+from surveillance_domain.cameras.errors import LoginRefused, NotThereInTime, StandsStill
 from surveillance_domain.cameras.mending import mend_of
+from surveillance_domain.control.continuity import Continuity
 from surveillance_domain.world.yielding import HELD, MOVED
 
 __all__ = ["Morning", "Series", "Spell"]
@@ -18,11 +19,8 @@ __all__ = ["Morning", "Series", "Spell"]
 _SHORT_STEPS = 2
 """A view that is missing for no longer is counted, not listed."""
 
-_OUTCOMES = {
-    Outcome.STALLED: "is something in its way, does somebody else command it, or is its read-back wrong? restart it",
-    Outcome.TIMED_OUT: "its moves take longer than the site says (pan_deg_per_s, tilt_deg_per_s, zoom_per_s, settle_s; "
-    "or make step_s longer), or its read-back stands still: restart it",
-}
+_FAULTS = {Outcome.STALLED: StandsStill, Outcome.TIMED_OUT: NotThereInTime}
+"""What older records have the outcome only of."""
 _ASTRAY = "it looked where no preset of its own is"
 _ASTRAY_MEND = "does somebody else move it, or does its pan drift? see surveillance doctor"
 
@@ -63,7 +61,7 @@ class Series:
     Attributes
     ----------
     hours : array of float
-        Since the record began, by the watch's own clock; runs one after the other.
+        Since the record began.
     seen, expected, present, coverage : array of float
         Targets seen, their expected number, how many there were (or were thought to be), share of the floor in view;
         nan where it is not known.
@@ -86,9 +84,10 @@ class Morning:
 
     Attributes
     ----------
-    runs : list of dict
-        Their headers.
+    continuity : Continuity
+        Its runs, and the times in which nobody watched.
     outages, holds : list of Spell
+        In the order in which they began.
     short : dict of str to int
         Views that were missing for a step or two, by camera; mostly cameras that were late.
     restarts : list of dict
@@ -101,7 +100,7 @@ class Morning:
 
     def __init__(self, coverage: Callable[[Mapping[str, str | None]], float] | None = None) -> None:
         self._coverage = coverage
-        self.runs: list[dict[str, Any]] = []
+        self.continuity = Continuity()
         self.outages: list[Spell] = []
         self.holds: list[Spell] = []
         self.short: dict[str, int] = {}
@@ -110,19 +109,23 @@ class Morning:
         self.steps, self.unused, self.beyond = 0, 0, 0
         self.cameras: tuple[str, ...] = ()
         self._open: dict[tuple[str, bool], Spell] = {}
-        self._offset_s, self._last_s, self._step_s, self._run = 0.0, 0.0, 0.0, ""
+        self._step_s, self._run = 0.0, ""
 
     def take(self, line: Mapping[str, Any]) -> None:
-        """A header or a step, in the record's order."""
+        """A header, a step or a closing line, in the record's order."""
+        self.continuity.take(line)
         if line["kind"] == "header":
             self._header(line)
-        else:
+        elif line["kind"] == "step":
             self._step(line)
 
-    def end(self) -> None:
-        """The record is over."""
+    def end(self, running: bool = False, whole: bool = True) -> None:
+        """The record is over; see `Continuity.end`."""
+        self.continuity.end(running, whole)
         for key in list(self._open):
             self._close(key, over=False)
+        self.outages.sort(key=lambda spell: spell.began)
+        self.holds.sort(key=lambda spell: spell.began)
 
     def _header(self, header: Mapping[str, Any]) -> None:
         if header["run"] == self._run:
@@ -130,12 +133,9 @@ class Morning:
         for key in list(self._open):
             self._close(key, over=False)
         self._run, self._step_s = header["run"], float(header["step_s"])
-        self._offset_s, self._last_s = self._offset_s + self._last_s, 0.0
-        self.runs.append(dict(header))
 
     def _step(self, step: Mapping[str, Any]) -> None:
         self.steps += 1
-        self._last_s = float(step["time_s"])
         self.cameras += tuple(name for name in step["views"] if name not in self.cameras)
         self.unused += step["without_identity"] + step["out_of_view"]
         self.beyond += len(step.get("beyond", ()))  # older records have none
@@ -156,8 +156,8 @@ class Morning:
         if spell is None:
             because, mend = _cause(step["cameras"][key[0]], held=key[1])
             began = datetime.fromisoformat(step["written"])
-            began_h = (self._offset_s + self._last_s) / 3600
-            self._open[key] = Spell(key[0], because, mend, began, step["step"], began_h, seconds=self._step_s)
+            hours = self.continuity.hours
+            self._open[key] = Spell(key[0], because, mend, began, step["step"], hours, seconds=self._step_s)
         else:
             spell.steps += 1
             spell.seconds += self._step_s
@@ -179,7 +179,7 @@ class Morning:
         seen = sum(cell is not None for cell in step["observations"].values()) + len(step["unknown"])
         there = [one for one in step["truth_m"] if one is not None] if "truth_m" in step else step.get("roster")
         series, unknown = self.series, float("nan")
-        series.hours.append((self._offset_s + self._last_s) / 3600)
+        series.hours.append(self.continuity.hours)
         series.seen.append(seen)
         series.expected.append(unknown if step["value"] is None else step["value"])
         series.present.append(unknown if there is None else len(there))
@@ -191,11 +191,11 @@ def _cause(camera: Mapping[str, Any], held: bool) -> tuple[str, str]:
     because = str(camera["because"])
     if held:  # in the step in which it was taken, that is not told yet, and something else may have gone wrong
         return because if because in (HELD, MOVED) else "", ""
-    if camera["fault"]:
+    outcome = str(camera["outcome"])
+    fault = camera["fault"] or (_FAULTS[Outcome(outcome)].__name__ if outcome in _FAULTS else "")
+    if fault:
         locked_out = camera["state"] == HealthState.LOCKED_OUT
-        return because, mend_of(LoginRefused.__name__ if locked_out else camera["fault"])
-    if camera["outcome"] in _OUTCOMES:
-        return because or str(camera["outcome"]), _OUTCOMES[Outcome(camera["outcome"])]
+        return because or outcome, mend_of(LoginRefused.__name__ if locked_out else fault)
     if camera["position"] is not None:
         pan, tilt, _ = camera["position"]
         return f"{_ASTRAY}: pan {pan:g}, tilt {tilt:g}", _ASTRAY_MEND

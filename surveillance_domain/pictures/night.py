@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["draw_night"]
 
 _BINS = 120
+_UNWATCHED = "#f4c7b0"
 _WIDTH_IN, _HEIGHT_IN = 8.0, 5.0
 
 
@@ -26,6 +27,7 @@ def draw_night(
     coverage: Float[np.ndarray, " steps"],
     gaps: Mapping[str, Sequence[tuple[float, float]]],
     seen_label: str,
+    unwatched: Sequence[tuple[float, float]] = (),
 ) -> Figure:
     """Means over at most 120 spans of time, and a line for each camera.
 
@@ -39,16 +41,22 @@ def draw_night(
         For each camera the hours at which it began and ceased to be missing.
     seen_label : str
         What the share of ``seen`` is of.
+    unwatched : sequence of (float, float)
+        The hours from when to when nobody watched.
     """
     figure = new_figure(_WIDTH_IN, _HEIGHT_IN)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 0.35 * len(gaps) + 0.2])
     centres, shares = binned(hours, np.column_stack([seen, coverage]))
     for column, label, style in ((0, seen_label, "-"), (1, "floor in view", "--")):
         if np.isfinite(shares[:, column]).any():
-            above.plot(centres, 100 * shares[:, column], style, color=INK if column else CAMERA_COLOURS[0], label=label)
+            colour = INK if column else CAMERA_COLOURS[0]
+            above.plot(centres, 100 * shares[:, column], style, marker=".", markersize=2, color=colour, label=label)
+    for number, (start, end) in enumerate(unwatched):
+        for axes, label in ((above, "nobody watched"), (below, "")):
+            axes.axvspan(start, end, color=_UNWATCHED, linewidth=0, zorder=0, label="" if number else label)
     above.set_ylim(0, 103)
     above.set_ylabel("%")
-    figure.legend(loc="outside upper center", frameon=False, ncols=2)
+    figure.legend(loc="outside upper center", frameon=False, ncols=3)
     for row, spans in enumerate(gaps.values()):
         colour = CAMERA_COLOURS[row % len(CAMERA_COLOURS)]
         below.plot([hours[0], hours[-1]], [row, row], color=colour, linewidth=1, zorder=1)

@@ -15,6 +15,7 @@ import numpy as np
 
 from surveillance_domain.cameras.base import Camera
 from surveillance_domain.emulation.site import EmulatedSite
+from surveillance_domain.model.elsewhere import Place
 from surveillance_domain.vision.observe import Observed
 from surveillance_domain.world.eyes import Eyes, Look
 from tests.emulated_cameras import jpeg
@@ -37,8 +38,10 @@ class Peeking:
             camera.picture(budget_s)
         return self._drawn.look(camera, budget_s)
 
-    def seen(self, looks: Mapping[str, Look], views: Mapping[str, str | None]) -> Observed:
-        return self._drawn.seen(looks, views)
+    def seen(
+        self, looks: Mapping[str, Look], views: Mapping[str, str | None], elsewhere: Mapping[str, Place]
+    ) -> Observed:
+        return self._drawn.seen(looks, views, elsewhere)
 
 
 def watch(camera: str, steps: int, seed: int, faults: tuple[str, ...], absent: bool = False) -> dict[str, Any]:

@@ -21,6 +21,7 @@ from surveillance_domain.cameras.base import Camera, Position
 from surveillance_domain.emulation.kinematics import Axes, Journey
 from surveillance_domain.emulation.motors import EmulatedMotors
 from surveillance_domain.emulation.site import EmulatedSite
+from surveillance_domain.model.elsewhere import Place
 from surveillance_domain.world.eyes import Eyes, Look
 from tests.emulated_cameras import jpeg
 from tests.emulated_watch import FAULTS, Emulated, campaign, emulated_watch, lego
@@ -105,8 +106,8 @@ class Photographing:
         picture = camera.picture(budget_s)
         return Look(picture.position, picture.position)
 
-    def seen(self, looks: Mapping[str, Look], views: Mapping[str, str | None]) -> Any:
-        return self._drawn.seen(looks, views)
+    def seen(self, looks: Mapping[str, Look], views: Mapping[str, str | None], elsewhere: Mapping[str, Place]) -> Any:
+        return self._drawn.seen(looks, views, elsewhere)
 
 
 def _eyes(emulation: EmulatedSite, drawn: Eyes) -> Eyes:

@@ -19,6 +19,7 @@ from surveillance_domain.cameras.base import Camera
 from surveillance_domain.control.record import RecordWriter
 from surveillance_domain.control.watch import Watch
 from surveillance_domain.emulation.site import EmulatedSite
+from surveillance_domain.model.elsewhere import Place
 from surveillance_domain.vision.observe import Observed
 from surveillance_domain.world.eyes import Eyes, Look
 from surveillance_domain.world.picture_eyes import PictureEyes
@@ -47,8 +48,10 @@ class Alternating:
     def look(self, camera: Camera, budget_s: float) -> Look:
         return self._now.look(camera, budget_s)
 
-    def seen(self, looks: Mapping[str, Look], views: Mapping[str, str | None]) -> Observed:
-        found = self._now.seen(looks, views)
+    def seen(
+        self, looks: Mapping[str, Look], views: Mapping[str, str | None], elsewhere: Mapping[str, Place]
+    ) -> Observed:
+        found = self._now.seen(looks, views, elsewhere)
         self._step += 1
         return found
 

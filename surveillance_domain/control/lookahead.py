@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 import numpy as np
+from jaxtyping import Float
 
 from factored_pomdp.beliefs import ProductBelief, initial_belief
 from solvers.lookahead import Lookahead
@@ -54,9 +55,14 @@ class LookaheadChooser:
         """The last choice as a joint action of the model."""
         return self._one_step.moves
 
-    def choose(self, belief: ProductBelief, held: Collection[str] = frozenset()) -> Choice:
+    def choose(
+        self,
+        belief: ProductBelief,
+        held: Collection[str] = frozenset(),
+        missed: Float[np.ndarray, " cells"] | None = None,
+    ) -> Choice:
         """Presets for the next step; value and upper bound are those of that step alone, as P's are."""
-        one_step = self._one_step.choose(belief, held)
+        one_step = self._one_step.choose(belief, held, missed)
         if held or None in belief.known.values() or belief.blocks != self._blocks:
             return one_step
         decision = self._solver.decide(belief)

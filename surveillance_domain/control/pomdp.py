@@ -6,6 +6,9 @@ from collections.abc import Collection, Mapping
 from functools import partial
 from typing import Any, Protocol, runtime_checkable
 
+import numpy as np
+from jaxtyping import Float
+
 from factored_pomdp.beliefs import ProductBelief, initial_belief
 from factored_pomdp.variables import Value
 from surveillance_domain.control.base import Choice
@@ -14,6 +17,7 @@ from surveillance_domain.control.choosing import PresetChooser
 from surveillance_domain.control.restart import TargetRestart
 from surveillance_domain.control.roster import OpenRoster, target_of, targets_of
 from surveillance_domain.model.build import UNSEEN, Surveillance
+from surveillance_domain.model.elsewhere import Elsewhere, Place
 from surveillance_domain.world.base import Cell, Sighting
 
 __all__ = ["Chooser", "PomdpController"]
@@ -27,8 +31,16 @@ class Chooser(Protocol):
     def moves(self) -> dict[str, str]:
         """The last choice as a joint action of the model."""
 
-    def choose(self, belief: ProductBelief, held: Collection[str] = frozenset()) -> Choice:
-        """Presets for the next step, in which held cameras stay where they are."""
+    def choose(
+        self,
+        belief: ProductBelief,
+        held: Collection[str] = frozenset(),
+        missed: Float[np.ndarray, " cells"] | None = None,
+    ) -> Choice:
+        """Presets for the next step, in which held cameras stay where they are.
+
+        ``missed`` is the probability that cameras at no preset of their own miss a target.
+        """
 
 
 class PomdpController:
@@ -52,6 +64,8 @@ class PomdpController:
     roster : OpenRoster or None
     held : frozenset of str
         Cameras that people have.
+    elsewhere : dict
+        Where those of them look that stand at no preset of their own.
     """
 
     def __init__(
@@ -59,9 +73,10 @@ class PomdpController:
     ) -> None:
         self.belief = initial_belief(surveillance.model)
         self.restarts, self.restarted = 0, tuple[str, ...]()
-        self.roster, self.held = roster, frozenset[str]()
+        self.roster, self.held, self.elsewhere = roster, frozenset[str](), dict[str, Place]()
         self._chooser = chooser if chooser is not None else PresetChooser(surveillance)
         self._restart, self._beyond = TargetRestart(surveillance), BeyondViews(surveillance)
+        self._elsewhere = Elsewhere(surveillance.site)
 
     @property
     def targets(self) -> tuple[str, ...]:
@@ -69,10 +84,15 @@ class PomdpController:
         return targets_of(self.belief)
 
     def choose(self) -> Choice:
-        return self._chooser.choose(self.belief, self.held)
+        return self._chooser.choose(self.belief, self.held, self.missed)
+
+    @property
+    def missed(self) -> Float[np.ndarray, " cells"] | None:
+        """Probability that the cameras which look at no preset of their own miss a target; ``None``: there are none."""
+        return self._elsewhere.missed(self.elsewhere) if self.elsewhere else None
 
     def see(self, sighting: Sighting) -> None:
-        self.restarted, self.held = (), sighting.held
+        self.restarted, self.held, self.elsewhere = (), sighting.held, dict(sighting.elsewhere)
         seen = {**sighting.observations, **(sighting.unknown if self.roster is not None else {})}
         cells = {target: seen.get(target) for target in self.targets}
         beyond = {target: cell for target, cell in cells.items() if cell is not None and target in sighting.beyond}
@@ -81,14 +101,24 @@ class PomdpController:
         predicted = self.belief.predict(self._chooser.moves)
         weighed, impossible = self._beyond.weighed(predicted, beyond, sighting.beyond)
         known |= {f"{target}.location": cell for target, cell in impossible.items()}
-        self.belief = weighed.condition(observed, known, restart=partial(self._restarted, cells))
+        if self.missed is not None:
+            unseen = [target for target, cell in cells.items() if cell is None]
+            weighed = self._beyond.unseen(weighed, unseen, self.missed)
+        self.belief = weighed.condition(observed, known, restart=partial(self._restarted, cells, predicted))
         if self.roster is not None:
             self.belief = self.roster.updated(self.belief, seen, sighting.time_s)
 
     def _restarted(
-        self, cells: Mapping[str, Cell | None], block: tuple[str, ...], predicted: Any, observation: Any, known: Any
+        self,
+        cells: Mapping[str, Cell | None],
+        predicted: ProductBelief,
+        block: tuple[str, ...],
+        weighed: Any,
+        observation: Any,
+        known: Any,
     ) -> Any:
         target = target_of(block)
         self.restarts += 1
         self.restarted += (target,)
-        return self._restart(cells[target], predicted, known, self.belief.block(block[0]).array)
+        before, expected = self.belief.block(block[0]).array, predicted.block(block[0]).array
+        return self._restart(cells[target], expected, known, before, self.missed)

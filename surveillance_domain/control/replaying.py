@@ -30,7 +30,8 @@ def sighting_of(entry: Mapping[str, Any]) -> Sighting:
         unknown={name: (int(cell[0]), int(cell[1])) for name, cell in entry["unknown"].items()},
         without_identity=int(entry["without_identity"]),
         out_of_view=int(entry["out_of_view"]),
-        beyond=dict(entry.get("beyond", {})),  # older records have none
+        beyond=dict(entry.get("beyond", {})),  # older records have none, nor the next
+        elsewhere={name: (place[0], place[1], place[2]) for name, place in entry.get("elsewhere", {}).items()},
     )
 
 
@@ -59,7 +60,7 @@ class Refilter:
 
     def values(self) -> Valued:
         """What each choice for the next step was worth, by P's reckoning; cameras that were away left out."""
-        return self._chooser.values(self._controller.belief, self._controller.held)
+        return self._chooser.values(self._controller.belief, self._controller.held, self._controller.missed)
 
     def take(self, entry: Mapping[str, Any]) -> None:
         """One more step of the record."""

@@ -41,6 +41,7 @@ class TargetRestart:
         predicted: Float[np.ndarray, "places directions speeds"],
         known: Mapping[str, Any],
         previous: Float[np.ndarray, "places directions speeds"],
+        missed: Float[np.ndarray, " cells"] | None = None,
     ) -> Float[np.ndarray, "places directions speeds"]:
         """The new belief of one target.
 
@@ -52,6 +53,8 @@ class TargetRestart:
             Its belief before the sighting, and before the step.
         known : mapping
             Actual preset of each camera; ``None``: it had no view.
+        missed : (cells,) float, optional
+            Probability that cameras which look at no preset of their own miss a target.
         """
         grid, views, cameras = self._surveillance.site.grid, self._surveillance.views, self._surveillance.site.cameras
         if seen is not None:
@@ -60,6 +63,8 @@ class TargetRestart:
         names = [[preset.name for preset in camera.presets] for camera in cameras]
         numbers = [None if p is None else of.index(str(p)) for p, of in zip(presets, names, strict=True)]
         hidden = views.seen(numbers) < 1
+        if missed is not None:
+            hidden &= missed > 0
         thought = previous.sum(axis=(1, 2)) > 0
         within = _near(grid.number, thought[: grid.size], self._reach)
         if self._doors:

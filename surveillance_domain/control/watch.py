@@ -114,6 +114,7 @@ class Watch:
             "out_of_view": step.sighting.out_of_view,
             "beyond": dict(step.sighting.beyond),
             "views": dict(step.sighting.views),
+            "elsewhere": {name: list(place) for name, place in step.sighting.elsewhere.items()},
             "held": sorted(step.sighting.held),
             "cameras": {name: _told(report) for name, report in self.world.reports.items()},
             "decision_ms": round(step.decision_ms, 4),

@@ -1,18 +1,19 @@
-"""Presets that look into a private area."""
+"""Cameras that look into a private area."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from jaxtyping import Float
 
 from surveillance_domain.model.line_of_sight import line_of_sight
 from surveillance_domain.model.optics import in_picture
+from surveillance_domain.site.camera import Camera, Preset
 from surveillance_domain.site.faults import Fault
 from surveillance_domain.site.site import Site
 
-__all__ = ["privacy_faults"]
+__all__ = ["looks_into_private", "privacy_faults"]
 
 _LEAST_SAMPLES_A_SIDE = 12
 _MOST_SAMPLES_A_SIDE = 400
@@ -27,13 +28,26 @@ def privacy_faults(site: Site) -> Iterator[Fault]:
     for number, area in enumerate(site.privacy):
         points = _samples(np.array(area.polygon_m), site.grid.cell_m)
         for i, camera in enumerate(site.cameras):
-            shown = [in_picture(camera, preset, np.pad(points, ((0, 0), (0, 1)))) for preset in camera.presets]
-            wanted = np.flatnonzero(np.any(shown, axis=0))
-            clear = line_of_sight(site.grid, np.array(camera.mount.position_m[:2]), points[wanted])
-            for c, preset in enumerate(camera.presets):
-                if np.any(shown[c][wanted] & clear):
-                    found = f'preset "{preset.name}" of camera "{camera.name}" that looks into privacy[{number}]'
-                    yield Fault(f"cameras[{i}].presets[{c}]", found, "a preset that does not, or none")
+            for c in _looking_at(site, camera, camera.presets, points):
+                preset = camera.presets[c]
+                found = f'preset "{preset.name}" of camera "{camera.name}" that looks into privacy[{number}]'
+                yield Fault(f"cameras[{i}].presets[{c}]", found, "a preset that does not, or none")
+
+
+def looks_into_private(site: Site, camera: Camera, preset: Preset) -> bool:
+    """Whether a camera's picture at a preset shows a part of a private area's floor."""
+    areas = (_samples(np.array(area.polygon_m), site.grid.cell_m) for area in site.privacy)
+    return any(_looking_at(site, camera, [preset], points) for points in areas)
+
+
+def _looking_at(
+    site: Site, camera: Camera, presets: Sequence[Preset], points: Float[np.ndarray, "points 2"]
+) -> list[int]:
+    """Numbers of the presets whose picture shows one of some points on the floor, with no wall between."""
+    shown = [in_picture(camera, preset, np.pad(points, ((0, 0), (0, 1)))) for preset in presets]
+    wanted = np.flatnonzero(np.any(shown, axis=0))
+    clear = line_of_sight(site.grid, np.array(camera.mount.position_m[:2]), points[wanted])
+    return [c for c, picture in enumerate(shown) if np.any(picture[wanted] & clear)]
 
 
 def _samples(polygon: Float[np.ndarray, "corners 2"], cell_m: float) -> Float[np.ndarray, "points 2"]:

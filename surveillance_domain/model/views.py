@@ -17,7 +17,7 @@ from surveillance_domain.site.faults import Fault, SiteError
 from surveillance_domain.site.grid import Grid
 from surveillance_domain.site.site import Site
 
-__all__ = ["Views", "build_views", "static_views"]
+__all__ = ["Views", "build_views", "fields_of_view", "static_views"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ def build_views(site: Site) -> Views:
     SiteError
         Naming every preset that sees no free cell or looks into a private area.
     """
-    masks = [_camera_views(site.grid, camera) for camera in site.cameras]
+    masks = [fields_of_view(site.grid, camera, camera.presets) for camera in site.cameras]
     faults = [
         _blind(site.grid, camera, preset, f"cameras[{i}].presets[{c}]")
         for i, camera in enumerate(site.cameras)
@@ -79,23 +79,22 @@ def static_views(site: Site) -> Bool[np.ndarray, "static_cameras cells"]:
     return np.array(seen, dtype=bool).reshape(len(seen), site.grid.size)
 
 
-def _camera_views(grid: Grid, camera: Camera) -> Bool[np.ndarray, "presets cells"]:
-    near = _cells_in_reach(grid, camera)
+def fields_of_view(grid: Grid, camera: Camera, presets: Sequence[Preset]) -> Bool[np.ndarray, "presets cells"]:
+    """Which free cells a camera has in view at some presets: pictured, in its depth, with no wall or mask between."""
+    near = _cells_in_reach(grid, camera, presets)
     points = _on_floor(grid.centres_m[near])
-    shown = np.array(
-        [in_picture(camera, preset, points) & within_depth(camera, preset, points) for preset in camera.presets]
-    )
+    shown = np.array([in_picture(camera, preset, points) & within_depth(camera, preset, points) for preset in presets])
     shown &= ~masked_points(camera, points)
     wanted = np.flatnonzero(shown.any(axis=0))
     clear = line_of_sight(grid, np.array(camera.mount.position_m[:2]), points[wanted, :2])
-    views = np.zeros((len(camera.presets), grid.size), dtype=bool)
+    views = np.zeros((len(presets), grid.size), dtype=bool)
     views[:, near[wanted]] = shown[:, wanted] & clear
     return views
 
 
-def _cells_in_reach(grid: Grid, camera: Camera) -> Int[np.ndarray, " near"]:
-    """Numbers of the free cells in the square about the camera that no field of view of its presets can leave."""
-    reach = max(reach_m(camera, preset) for preset in camera.presets)
+def _cells_in_reach(grid: Grid, camera: Camera, presets: Sequence[Preset]) -> Int[np.ndarray, " near"]:
+    """Numbers of the free cells in the square about the camera that no field of view of the presets can leave."""
+    reach = max(reach_m(camera, preset) for preset in presets)
     position = np.array(camera.mount.position_m[:2])
     corners = np.stack([position - reach, position + reach])
     (left, bottom), (right, top) = np.clip(

@@ -11,7 +11,7 @@ from surveillance_domain.cameras.base import Position
 from surveillance_domain.model.pinhole import Pinhole, pinhole
 from surveillance_domain.site.camera import Camera, Preset
 
-__all__ = ["Ground", "ground", "preset_at", "through", "view_at"]
+__all__ = ["Ground", "ground", "preset_at", "through", "view_at", "zoom_at"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +83,14 @@ def ground(camera: Camera, position: Position, size: tuple[int, int]) -> Ground:
 
 def view_at(camera: Camera, position: Position, size: tuple[int, int]) -> Pinhole:
     """The pinhole model with a position's own numbers; where it has no zoom, with that of the nearest preset."""
-    nearest = min(camera.presets, key=lambda one: abs(one.pan - position.pan) + abs(one.tilt - position.tilt))
-    zoom = nearest.zoom if position.zoom is None else position.zoom
-    return pinhole(camera, position.pan, position.tilt, zoom, size)
+    return pinhole(camera, position.pan, position.tilt, zoom_at(camera, position), size)
+
+
+def zoom_at(camera: Camera, position: Position) -> float:
+    """The zoom of a position; where it has none, that of the nearest preset."""
+    if position.zoom is not None:
+        return position.zoom
+    return min(camera.presets, key=lambda one: abs(one.pan - position.pan) + abs(one.tilt - position.tilt)).zoom
 
 
 def preset_at(camera: Camera, position: Position) -> Preset | None:

@@ -8,7 +8,7 @@ no other camera gives one of its own view, and told apart: *beyond* the view.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -126,7 +126,12 @@ class Observer:
         self._presets = [{one.name: c for c, one in enumerate(camera.presets)} for camera in site.cameras]
         self._reports: dict[tuple[int, int], Bool[np.ndarray, " cells"]] = {}
 
-    def observe(self, found: Mapping[str, Sequence[Located]], views: Mapping[str, str | None]) -> Observed:
+    def observe(
+        self,
+        found: Mapping[str, Sequence[Located]],
+        views: Mapping[str, str | None],
+        elsewhere: Collection[str] = frozenset(),
+    ) -> Observed:
         """One step's observation.
 
         Parameters
@@ -134,14 +139,17 @@ class Observer:
         found : mapping of str to sequence of Located
             For each camera that looked, its detections.
         views : mapping of str to str or None
-            For each camera the preset whose view it has; without one it is not listened to.
+            For each camera the preset whose view it has; without one it is not listened to,
+        elsewhere : collection of str
+            except for these cameras, which look at no preset of their own: all that they see is beyond the model's
+            views.
         """
         known: dict[int | str, _Report] = {}
         strangers: dict[int | str, _Report] = {}
         without_identity = out_of_view = 0
         for name in sorted(found, key=lambda one: (self._views.noise_m[self._cameras[one]], self._cameras[one])):
             preset = views.get(name)
-            if preset is None:
+            if preset is None and name not in elsewhere:
                 continue
             for one in sorted(found[name], key=_surest_first):
                 identity = one.detection.identity
@@ -150,7 +158,8 @@ class Observer:
                 elif one.cell is None:
                     out_of_view += 1
                 else:
-                    report = _Report(one.cell, name, self._reportable(name, preset, one.cell))
+                    in_view = preset is not None and self._reportable(name, preset, one.cell)
+                    report = _Report(one.cell, name, in_view)
                     reports = known if identity in self._identities else strangers
                     _keep_better(reports, self._identities.get(identity, identity), report)
         return Observed(

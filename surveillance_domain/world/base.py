@@ -36,6 +36,9 @@ class Sighting:
     beyond : dict
         Who of those seen, unknown ones included, was seen beyond the view that the model gives the camera, and by which
         camera: pictures show more than the views of the model.
+    elsewhere : dict
+        For cameras that looked, still, but at no preset of their own, because people have turned them: pan and tilt in
+        degrees, and zoom. Whom they see is seen beyond the views of the model.
     """
 
     observations: Mapping[str, Cell | None]
@@ -47,6 +50,7 @@ class Sighting:
     without_identity: int = 0
     out_of_view: int = 0
     beyond: Mapping[str, str] = field(default_factory=dict)
+    elsewhere: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
 
 @runtime_checkable

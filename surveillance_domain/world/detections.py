@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from surveillance_domain.world.base import Cell
 from surveillance_domain.world.truth import OUTSIDE
@@ -40,24 +40,45 @@ class Detections:
 
         Nobody detects a target that is outside.
         """
+        views = {
+            name: self._views.detection[camera][preset]
+            for camera, (name, preset) in enumerate((one.name, presets[one.name]) for one in self._site.cameras)
+            if preset is not None
+        }
+        return {target: None if one is None else one[0] for target, one in self.reported(views, cells).items()}
+
+    def reported(
+        self, views: Mapping[str, Float[np.ndarray, " cells"]], cells: Int[np.ndarray, " targets"]
+    ) -> dict[str, tuple[Cell, str] | None]:
+        """For each target the cell that is reported and the camera that reports it, given what cameras detect where.
+
+        Parameters
+        ----------
+        views : mapping of str to (cells,) float
+            Probability of a detection in each free cell, for the cameras that have a view.
+        cells : (targets,) int
+            Where they are.
+        """
         draws = [luck.random(2 * len(self._order)) for luck in self._luck]
-        found = [self._detected(presets, int(cell), luck) for cell, luck in zip(cells, draws, strict=True)]
+        found = [self._detected(views, int(cell), luck) for cell, luck in zip(cells, draws, strict=True)]
         return dict(zip(self._targets, found, strict=True))
 
-    def _detected(self, presets: Mapping[str, int | None], cell: int, luck: np.ndarray) -> Cell | None:
+    def _detected(
+        self, views: Mapping[str, Float[np.ndarray, " cells"]], cell: int, luck: np.ndarray
+    ) -> tuple[Cell, str] | None:
         """The first camera, in order of noise, that detects decides which cell is reported."""
         if cell == OUTSIDE:
             return None
         for position, camera in enumerate(self._order):
-            preset = presets[self._site.cameras[camera].name]
-            if preset is not None and luck[2 * position] < self._views.detection[camera][preset, cell]:
+            name = self._site.cameras[camera].name
+            if name in views and luck[2 * position] < views[name][cell]:
                 kernel = self._kernels[camera]
                 if kernel is None:
-                    return self._cell(cell)
+                    return self._cell(cell), name
                 start, end = kernel.indptr[cell], kernel.indptr[cell + 1]
                 row = np.cumsum(kernel.data[start:end])
                 drawn = int(np.searchsorted(row, luck[2 * position + 1] * row[-1], side="right"))
-                return self._cell(int(kernel.indices[start + min(drawn, end - start - 1)]))
+                return self._cell(int(kernel.indices[start + min(drawn, end - start - 1)])), name
         return None
 
     def _cell(self, number: int) -> Cell:

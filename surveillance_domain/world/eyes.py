@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 from surveillance_domain.cameras.base import Camera, Position
+from surveillance_domain.model.elsewhere import Place
 from surveillance_domain.vision.observe import Observed
 
 __all__ = ["Eyes", "Look"]
@@ -35,5 +36,7 @@ class Eyes(Protocol):
     def look(self, camera: Camera, budget_s: float) -> Look:
         """Look through one camera, in that camera's own thread; raises `CameraError` where that fails."""
 
-    def seen(self, looks: Mapping[str, Look], views: Mapping[str, str | None]) -> Observed:
-        """What the cameras with a view saw together."""
+    def seen(
+        self, looks: Mapping[str, Look], views: Mapping[str, str | None], elsewhere: Mapping[str, Place]
+    ) -> Observed:
+        """What the cameras with a view saw together, those among them that look at no preset of their own."""

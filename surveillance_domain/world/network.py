@@ -1,8 +1,8 @@
 """A network of pan/tilt/zoom cameras as a world: presets go out over HTTP, a sighting comes back.
 
 The pace is fixed: cameras look ``step_s`` apart, for the belief moves on by ``step_s`` a step; between two looks they
-turn. A camera that has not settled by then, that failed, or that looks somewhere that is no preset of its own has an
-empty view in the sighting, which is not "nothing seen".
+turn. A camera that has not settled by then, or that failed, has an empty view in the sighting, which is not "nothing
+seen". One that people have turned to where it has no preset is told apart, with where it looks.
 
 Each camera has a thread of its own, and nobody waits for it longer than its deadline: one that hangs costs its own view
 only, and is left out until it has come back. Looks are cut short so that what is left of the step is enough for the
@@ -21,10 +21,12 @@ from typing import Any, TypeVar
 from surveillance_domain.cameras.base import Camera, Move, Position
 from surveillance_domain.cameras.clock import Clock
 from surveillance_domain.cameras.errors import CameraError, TooLate
+from surveillance_domain.model.elsewhere import Elsewhere, Place
 from surveillance_domain.model.reachability import longest_move_s
 from surveillance_domain.site.camera import Camera as CameraDescription
 from surveillance_domain.site.camera import Preset
 from surveillance_domain.site.site import Site
+from surveillance_domain.vision.ground import zoom_at
 from surveillance_domain.world.base import Sighting
 from surveillance_domain.world.camera_report import CameraReport
 from surveillance_domain.world.eyes import Eyes, Look
@@ -95,6 +97,12 @@ class _Node:
                 return preset.name
         return None
 
+    def place(self, look: Look | None) -> Place | None:
+        """Where it looked, if that is no preset of its own and it was still."""
+        if look is None or not self.report.arrived or self.view(look) is not None:
+            return None
+        return look.position.pan, look.position.tilt, zoom_at(self.description, look.position)
+
 
 class NetworkWorld:
     """Cameras that are spoken with.
@@ -133,6 +141,7 @@ class NetworkWorld:
     ) -> None:
         self._clock, self._eyes, self._held, self._moves = clock, eyes, held, moves
         self._step_s, self._look_s, operation = site.control.step_s, look_budget_s(site), site.operation
+        self._views_elsewhere = Elsewhere(site)
         self._nodes = {
             description.name: _Node(
                 description, camera, watching(description, operation.yield_s, (memories or {}).get(description.name))
@@ -207,7 +216,8 @@ class NetworkWorld:
         for name, node in self._nodes.items():
             node.found(looks.get(name))
         views = {name: node.view(looks.get(name)) for name, node in self._nodes.items()}
-        found = self._eyes.seen(looks, views)
+        elsewhere = self._elsewhere(looks)
+        found = self._eyes.seen(looks, views, elsewhere)
         return Sighting(
             found.observations,
             views,
@@ -217,6 +227,7 @@ class NetworkWorld:
             without_identity=found.without_identity,
             out_of_view=found.out_of_view,
             beyond={_called(one): camera for one, camera in found.beyond.items()},
+            elsewhere=elsewhere,
         )
 
     def park(self) -> dict[str, Parked]:
@@ -238,6 +249,15 @@ class NetworkWorld:
         self._pool.shutdown(wait=False, cancel_futures=True)
         for node in self._nodes.values():
             node.camera.close()
+
+    def _elsewhere(self, looks: Mapping[str, Look]) -> dict[str, Place]:
+        """Where cameras look that stand still at no preset of theirs, unless they look into a private area."""
+        places = {name: node.place(looks.get(name)) for name, node in self._nodes.items()}
+        return {
+            name: place
+            for name, place in places.items()
+            if place is not None and self._views_elsewhere.detection(name, place) is not None
+        }
 
     def _taken(self) -> dict[str, str]:
         return taken({name: node.yielding for name, node in self._nodes.items()}, self._held())

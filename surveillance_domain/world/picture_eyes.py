@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from surveillance_domain.cameras.base import Camera, Picture
 from surveillance_domain.cameras.errors import BadPicture
 from surveillance_domain.model.build import Surveillance
+from surveillance_domain.model.elsewhere import Place
 from surveillance_domain.model.looks import looks
 from surveillance_domain.vision.aruco import MarkerDetector
 from surveillance_domain.vision.base import Detector
@@ -79,7 +80,10 @@ class PictureEyes:
         found = located(ground(described, picture.position, size), self._site.grid, shown)
         return Look(picture.position, Sight(picture, found))
 
-    def seen(self, looks: Mapping[str, Look], views: Mapping[str, str | None]) -> Observed:
+    def seen(
+        self, looks: Mapping[str, Look], views: Mapping[str, str | None], elsewhere: Mapping[str, Place]
+    ) -> Observed:
         self.sights = {name: look.found for name, look in looks.items()}
-        self.last = self._observer.observe({name: sight.located for name, sight in self.sights.items()}, views)
+        found = {name: sight.located for name, sight in self.sights.items()}
+        self.last = self._observer.observe(found, views, elsewhere)
         return self.last

@@ -82,7 +82,7 @@ def learn(
     from surveillance_domain.commands.folder import ready_folder
     from surveillance_domain.commands.learn_answer import carried, learned_content, shown_learned
     from surveillance_domain.commands.learn_input import read_all, together
-    from surveillance_domain.commands.learn_site import checked_site, write_learned
+    from surveillance_domain.commands.learn_site import checked_site, of_walls, write_learned
     from surveillance_domain.commands.progress import progress_bar
     from surveillance_domain.trajectories.learning import Wanted, learn_motion
 
@@ -116,7 +116,11 @@ def learn(
     if picture is not None:
         written += _draw(learned, picture, [path.name for path in found], rng)
     if write is not None and site is not None:
+        told_of_walls = of_walls(site, learned.fit)
         written += write_learned(site, learned.fit, placed)
+        if told_of_walls is not None:
+            content["warnings"].append(told_of_walls)
+            _warn(told_of_walls)
         if placed is None:
             _tell_of_prior(write, len(found))
     if learned.judged.impossible > _OFTEN_IMPOSSIBLE:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from surveillance_domain.trajectories.fitting import MotionFit
     from surveillance_domain.trajectories.prior import PlacedPrior
 
-__all__ = ["checked_site", "prior_path", "write_learned"]
+__all__ = ["checked_site", "of_walls", "prior_path", "write_learned"]
 
 _COMMENT = re.compile(r"#[^\n]*")
 
@@ -72,6 +72,29 @@ def _check_writable(path: Path) -> None:
             f"{(problem.strerror or str(problem)).lower()}; a changed file is written beside the old one and put in "
             "its place: expected a folder in which you may write, or a copy of the site file in one"
         ) from None
+
+
+def of_walls(site: Site, fit: MotionFit) -> str | None:
+    """What is to be told where people who move as was learned would gather along the walls of this site."""
+    from dataclasses import replace
+
+    from surveillance_domain.model.build import motion_parameters
+    from surveillance_domain.trajectories.long_run import STEPS, drawn_to_walls
+
+    parameters = replace(
+        motion_parameters(site),
+        speeds_mps=fit.speeds_mps,
+        sigma_direction_deg=fit.sigma_direction_deg,
+        sigma_speed_mps=fit.sigma_speed_mps,
+    )
+    cells = drawn_to_walls(site.grid, parameters)
+    if cells is None:
+        return None
+    return (
+        f'{site.path}: with walls = "{parameters.walls}" people who turn by {fit.sigma_direction_deg:.3g}° a step follow a '
+        f"wall once they have met it: {STEPS} steps on, half of them would be in {cells[0]:,} of {site.grid.size:,} cells, "
+        f'with walls = "reflect" in {cells[1]:,}; set that in [targets], or simulated people gather in corners'
+    )
 
 
 def prior_path(site: Path) -> Path:

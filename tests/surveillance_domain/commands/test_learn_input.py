@@ -127,3 +127,20 @@ def test_nobody_on_the_map_is_told_with_the_file(
     answer = surveillance("replay", "hall", counted, "--frames-per-s", 2, "--offset-m", "500,500")
     assert answer.code == 2
     assert answer.err.startswith(f"{counted}: nobody is ever on the map")
+
+
+@pytest.mark.end_to_end
+def test_motion_that_sticks_to_walls_is_told_with_the_remedy(
+    surveillance: Callable[..., Any], counted: Path, tmp_path: Path
+) -> None:
+    site = tmp_path / "site.toml"
+    text = (BUILTIN / "hall.toml").read_text().replace("step_s = 1.0", "step_s = 0.5")
+    site.write_text(text)
+    answer = surveillance(*words(counted), "--write", site, "--json")
+    assert answer.code == 0, answer.err
+    (warning,) = answer.json["warnings"]
+    assert warning in answer.err
+    assert warning.startswith(f'{site}: with walls = "reject" people who turn by ')
+    assert 'of 200 cells, with walls = "reflect" in ' in warning
+    site.write_text(text.replace('walls = "reject"', 'walls = "reflect"'))
+    assert surveillance(*words(counted), "--write", site, "--json").json["warnings"] == []

@@ -13,6 +13,7 @@ __all__ = ["clock", "gap_rows", "headline", "lasting", "run_rows", "watch_conten
 
 _MINUTE_S, _HOUR_S = 60, 3600
 _SECONDS_UP_TO_S = 120.0
+_MOST_GAPS = 5
 
 
 def watch_content(watch: Continuity) -> dict[str, Any]:
@@ -30,9 +31,15 @@ def headline(content: Mapping[str, Any]) -> list[str]:
     """How long somebody watched, and when nobody did."""
     told = f"Watched for {lasting(content['watched_s'])}"
     if not content["unwatched"]:
-        return [f"{told}, without a gap."]
-    away = f", not watched for {lasting(content['unwatched_s'])}" if content["unwatched_s"] else ""
-    return [f"{told}{away}.", *(f"{_nobody(gap).capitalize()}: {gap['because']}." for gap in content["unwatched"])]
+        lines = [f"{told}, without a gap."]
+    else:
+        away = f", not watched for {lasting(content['unwatched_s'])}" if content["unwatched_s"] else ""
+        gaps = content["unwatched"][:_MOST_GAPS]
+        lines = [f"{told}{away}.", *(f"{_nobody(gap).capitalize()}: {gap['because']}." for gap in gaps)]
+        if len(content["unwatched"]) > _MOST_GAPS:
+            lines.append(f"There are {len(content['unwatched']) - _MOST_GAPS:,} more such times: see Outages.")
+    missing = sum(gap["steps"] for gap in content["unrecorded"])
+    return [*lines, f"Watched, but not recorded: {missing:,} steps."] if missing else lines
 
 
 def run_rows(content: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -18,7 +18,7 @@ _FEW_STEPS = 5.0
 _TWICE = 2.0
 """So much longer than the steps that are missing from the record would have taken, too."""
 
-KILLED = "ended without closing: killed, crashed or power lost"
+_KILLED = "ended without closing: killed, crashed or power lost"
 _UNKNOWN = "how it ended is not in its record, which is of an older version"
 _ELSEWHERE = "how it ended is not in this file of its record"
 _RUNNING = "it is still there"
@@ -57,7 +57,7 @@ class RunSpan:
     last: datetime | None = None
     ended: datetime | None = None
     how: str = "killed"
-    because: str = KILLED
+    because: str = _KILLED
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ class Continuity:
             self._closing(line)
         elif not self.runs or line["run"] != self.runs[-1].header["run"]:
             closes = line.get("closes", False)  # older records do not
-            how, because = ("killed", KILLED) if closes else ("unknown", _UNKNOWN)
+            how, because = ("killed", _KILLED) if closes else ("unknown", _UNKNOWN)
             self.runs.append(RunSpan(dict(line), _moment(line["run"]), how=how, because=because))
 
     def end(self, running: bool, whole: bool) -> None:

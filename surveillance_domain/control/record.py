@@ -6,8 +6,9 @@ is full or a new day (UTC) begins; files that are older than the site's ``keep_d
 stored: they follow from the sightings. No pictures and no passwords are in it. The last line of a run says how it
 ended; where that is missing, the run was killed, or is still there: the file that it writes is locked.
 
-A line that could not be written, as on a full disk, is an error for the caller; the next line begins a new file, so
-that a torn one is always the last of its file.
+A line that could not be written, as on a full disk, is taken off again; a new file is begun for it, and if that fails
+too, it is an error for the caller. How the run ended needs so little room that it is written all the same, if need be
+where the last step stood.
 """
 
 from __future__ import annotations
@@ -60,7 +61,8 @@ class RecordWriter:
         self._lock = -1
         now = datetime.now(UTC)
         self._run = now.isoformat(timespec="microseconds")
-        self._begin(now)
+        self._last = self._begin(now)
+        self._lock_last()
 
     def write(self, entry: Mapping[str, Any]) -> None:
         """Append one line; ``written`` (UTC) is added to it.
@@ -70,10 +72,7 @@ class RecordWriter:
         OSError
             If that failed.
         """
-        now = datetime.now(UTC)
-        if self._file < 0 or self._written >= self._full or now.date().isoformat() != self._day:
-            self._begin(now)
-        self._line({"kind": "step", "written": now.isoformat(timespec="milliseconds"), **entry})
+        self._append("step", entry)
 
     def end(self, entry: Mapping[str, Any]) -> None:
         """Append the run's last line, and close.
@@ -83,11 +82,11 @@ class RecordWriter:
         OSError
             If that failed; it is closed all the same.
         """
-        now = datetime.now(UTC)
         try:
-            if self._file < 0:
-                self._begin(now)
-            self._line({"kind": "end", "written": now.isoformat(timespec="milliseconds"), **entry})
+            self._append("end", entry)
+        except OSError:
+            self._make_room()
+            self._append("end", entry)
         finally:
             self.close()
 
@@ -98,12 +97,30 @@ class RecordWriter:
             os.close(self._lock)
         self._lock = -1
 
+    def _append(self, kind: str, entry: Mapping[str, Any]) -> None:
+        now = datetime.now(UTC)
+        content = {"kind": kind, "written": now.isoformat(timespec="milliseconds"), **entry}
+        if self._file >= 0 and self._written < self._full and now.date().isoformat() == self._day:
+            with suppress(OSError):  # this file may grow no further, but another may be begun
+                return self._line(content)
+        begun = self._begin(now)
+        try:
+            self._line(content)
+        except OSError:
+            begun.unlink(missing_ok=True)
+            self._parts -= 1
+            raise
+        self._last = begun
+        self._lock_last()
+        return None
+
     def _close_file(self) -> None:
         if self._file >= 0:
             os.close(self._file)
         self._file = -1
 
-    def _begin(self, now: datetime) -> None:
+    def _begin(self, now: datetime) -> Path:
+        """A new file with a header."""
         self._close_file()
         for old in self._folder.glob(_PATTERN):
             with suppress(OSError):
@@ -119,23 +136,35 @@ class RecordWriter:
             path.unlink(missing_ok=True)
             raise
         self._parts += 1
-        self._lock_instead(path)
+        return path
 
-    def _lock_instead(self, path: Path) -> None:
-        """Hold the lock of the last file that has a header, also while nothing can be written to it."""
-        before, self._lock = self._lock, os.open(path, os.O_RDONLY)
+    def _make_room(self) -> None:
+        """Go on in the last file, without its last line if that is a step."""
+        self._close_file()
+        self._file = os.open(self._last, os.O_RDWR | os.O_APPEND)
+        whole = self._last.read_bytes()
+        begins = whole[:-1].rfind(b"\n") + 1
+        step = whole[begins:].startswith(b'{"kind": "step"')
+        self._written, self._day = (begins if step else len(whole)), datetime.now(UTC).date().isoformat()
+        os.ftruncate(self._file, self._written)
+
+    def _lock_last(self) -> None:
+        """Hold the lock of the last file that has lines, also while nothing can be written to it."""
+        before, self._lock = self._lock, os.open(self._last, os.O_RDONLY)
         with suppress(OSError):  # a file system without locks
             fcntl.flock(self._lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
         if before >= 0:
             os.close(before)
 
     def _line(self, content: Mapping[str, Any]) -> None:
-        line = (json.dumps(content, ensure_ascii=False, allow_nan=False) + "\n").encode()
+        line, whole = (json.dumps(content, ensure_ascii=False, allow_nan=False) + "\n").encode(), self._written
         try:
             while line:
                 done = os.write(self._file, line)
                 self._written, line = self._written + done, line[done:]
         except OSError:
+            with suppress(OSError):
+                os.ftruncate(self._file, whole)
             self._close_file()
             raise
 

@@ -93,7 +93,8 @@ def of_walls(site: Site, fit: MotionFit) -> str | None:
     return (
         f'{site.path}: with walls = "{parameters.walls}" people who turn by {fit.sigma_direction_deg:.3g}° a step '
         f"follow a wall once they have met it: {STEPS} steps on, half of them would be in {cells[0]:,} of "
-        f'{site.grid.size:,} cells, with walls = "reflect" in {cells[1]:,}; set that in [targets], or simulated people gather in corners'
+        f'{site.grid.size:,} cells, with walls = "reflect" in {cells[1]:,}; set that in [targets], or simulated people '
+        "gather in corners"
     )
 
 

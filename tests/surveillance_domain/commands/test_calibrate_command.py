@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from surveillance_domain.cameras.base import Position
 from surveillance_domain.cameras.clock import RealClock
+from surveillance_domain.control.watch_state import WatchState
 from surveillance_domain.emulation.camera import EmulatedCamera
 from surveillance_domain.emulation.guard import Guard
 from surveillance_domain.emulation.motors import EmulatedMotors
@@ -26,6 +28,7 @@ from surveillance_domain.site.load import load_site
 from surveillance_domain.site.site import Site
 from surveillance_domain.vision.agreement import disagreement_m
 from surveillance_domain.vision.opencv import read_image
+from surveillance_domain.world.memory import Stood
 from tests.emulated_cameras import LIMITS
 from tests.known_points import lego_camera, points_of
 from tests.pictured_targets import LAID_M, jpeg_of, laid, preset_view
@@ -293,6 +296,12 @@ def test_a_camera_is_turned_from_preset_to_preset_and_back(
         answer = surveillance("calibrate", lego, "south", *words)
         assert answer.code == 0, answer.err
         assert answer.json["mount"]["yaw_deg"] == pytest.approx(94, abs=0.2)
+        memory = WatchState(load_site(lego)).memories()["south"]
+        memory.keep(Stood(Position(-50.0, -35.0, 1.0), 20.0))
+        refused = surveillance("calibrate", lego, "south", *words)
+        assert refused.code == 2
+        assert "camera 'south': moved by somebody else 2" in refused.err
+        assert "it is not turned before it has been still for 60 s" in refused.err
         added = surveillance("add-preset", lego, "south", "door", "--json")
         assert added.code == 0, added.err
         assert added.json["preset"] == {"name": "door", "pan": -50.0, "tilt": -35.0, "zoom": 1.0}  # where it was before

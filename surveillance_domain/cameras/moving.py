@@ -33,7 +33,6 @@ _SHORTEST_POLL_S = 0.02
 _POLL_S = 0.1
 _LEAST_STALL_S = 1.0
 _ROUNDING_S = 1e-6
-_FAULTS: dict[Outcome, type[CameraError]] = {Outcome.STALLED: StandsStill, Outcome.TIMED_OUT: NotThereInTime}
 _SLOW_SHARE = 0.5
 """Of the time for a move: an answer that takes longer leaves none to watch it."""
 
@@ -87,16 +86,14 @@ def drive(motors: Motors, target: Position, pace: Pace, clock: Clock, rng: np.ra
     start = clock.now()
     trip = _Trip(motors, target, pace, clock, rng, until)
     try:
-        outcome, because = trip.go()
+        outcome, because, fault = trip.go()
     except _Taken:
         return Move(Outcome.STALLED, trip.last, clock.now() - start, MOVED, commanded=trip.commanded)
     except CameraError as error:
         return Move(Outcome.UNREACHABLE, trip.last, clock.now() - start, str(error), type(error).__name__)
     if outcome is Outcome.TIMED_OUT and trip.slowest_s >= _SLOW_SHARE * (until - start):
-        because = TooSlow.because(trip.slowest_s, until - start)
-        return Move(outcome, trip.last, clock.now() - start, because, TooSlow.__name__)
-    fault = _FAULTS[outcome].__name__ if outcome in _FAULTS else ""
-    return Move(outcome, trip.last, clock.now() - start, because, fault)
+        because, fault = TooSlow.because(trip.slowest_s, until - start), TooSlow
+    return Move(outcome, trip.last, clock.now() - start, because, "" if fault is None else fault.__name__)
 
 
 class _Taken(Exception):
@@ -115,9 +112,9 @@ class _Trip:
         self.slowest_s = 0.0
         self.commanded = False
 
-    def go(self) -> tuple[Outcome, str]:
-        """Send and watch; what became of it, and why."""
-        here = self._read()
+    def go(self) -> tuple[Outcome, str, type[CameraError] | None]:
+        """Send and watch; what became of it, why, and which error that is."""
+        begun = here = self._read()
         if here.agrees(self._target, self._pace.tolerance_deg):
             self._motors.witness.sent(self._target, self._clock.now())
             self._motors.witness.accepted(self._target)
@@ -128,16 +125,22 @@ class _Trip:
             steady_s = self._motors.steadiness.still_s(self._clock.now())
             there = here.agrees(self._target, self._pace.tolerance_deg)
             if there and steady_s >= self._pace.settle_s - _ROUNDING_S:
-                return Outcome.REACHED, ""
+                return Outcome.REACHED, "", None
             if not there and min(steady_s, self._clock.now() - sent) >= self._pace.stall_s:
-                return Outcome.STALLED, f"it stands at {_shown(here)} instead of {_shown(self._target)}"
+                return Outcome.STALLED, f"it stands at {_shown(here)} instead of {_shown(self._target)}", StandsStill
             wait_s = self._pace.settle_s - steady_s if there else self._pace.travel_s(here, self._target) or _POLL_S
             self._clock.sleep(min(max(wait_s, _SHORTEST_POLL_S), self._until - self._clock.now()))
             if self._clock.now() >= self._until:
-                if there:
-                    return Outcome.TIMED_OUT, f"it was at {_shown(here)}, but not still for long enough"
-                return Outcome.TIMED_OUT, f"it was at {_shown(here)} on its way to {_shown(self._target)}"
+                return Outcome.TIMED_OUT, *self._unfinished(begun, here)
             here = self._read()
+
+    def _unfinished(self, begun: Position, here: Position) -> tuple[str, type[CameraError]]:
+        """What a move that is not over in time has come to."""
+        if here.agrees(self._target, self._pace.tolerance_deg):
+            return f"it was at {_shown(here)}, but not still for long enough", NotThereInTime
+        if here.agrees(begun, self._pace.tolerance_deg):
+            return f"it stood at {_shown(here)} and did not set off to {_shown(self._target)}", StandsStill
+        return f"it was at {_shown(here)} on its way to {_shown(self._target)}", NotThereInTime
 
     def _read(self) -> Position:
         asked = self._clock.now()

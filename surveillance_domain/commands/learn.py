@@ -148,7 +148,7 @@ def _placement(offset_m: str | None, rotate_deg: float | None, write: Path | Non
             f"--offset-m and --rotate-deg with {files} files, each in a frame of its own: expected one file, whose "
             "people tell where in the site they are"
         )
-    return placement_of(offset_m or "0,0", rotate_deg or 0.0)
+    return placement_of("0,0" if offset_m is None else offset_m, rotate_deg or 0.0)
 
 
 def _placed(learned: Learned, site: Site, placement: Placement) -> PlacedPrior:

@@ -67,7 +67,7 @@ class _Sidecar(Section):
 
 def sidecar_of(path: Path) -> Path:
     """Where the sidecar of a file lies, if it has one: ``walk.txt`` has ``walk.txt.toml`` beside it."""
-    return path.with_name(path.name + ".toml")
+    return path.parent / f"{path.name}.toml"
 
 
 def with_sidecar(path: Path, given: Conventions) -> Conventions:

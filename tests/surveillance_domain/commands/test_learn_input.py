@@ -144,3 +144,20 @@ def test_motion_that_sticks_to_walls_is_told_with_the_remedy(
     assert 'of 200 cells, with walls = "reflect" in ' in warning
     site.write_text(text.replace('walls = "reject"', 'walls = "reflect"'))
     assert surveillance(*words(counted), "--write", site, "--json").json["warnings"] == []
+
+
+@pytest.mark.end_to_end
+@pytest.mark.parametrize("name", [".", "/"])
+def test_a_folder_is_no_recording(surveillance: Callable[..., Any], name: str) -> None:
+    answer = surveillance(*words(Path(name)))
+    assert answer.code == 2
+    assert answer.err.startswith(f"{name}: found is a directory; expected a readable file of trajectories")
+
+
+@pytest.mark.end_to_end
+def test_an_empty_offset_is_refused(surveillance: Callable[..., Any], counted: Path, tmp_path: Path) -> None:
+    site = tmp_path / "site.toml"
+    site.write_text((BUILTIN / "hall.toml").read_text().replace("step_s = 1.0", "step_s = 0.5"))
+    answer = surveillance(*words(counted), "--write", site, "--offset-m", "")
+    assert (answer.code, answer.out) == (2, "")
+    assert "expected two numbers, such as 3.5,-2" in answer.err

@@ -39,8 +39,8 @@ class TooSlow(TooLate):
 
     @staticmethod
     def because(answer_s: float, budget_s: float) -> str:
-        """What it takes for an answer, and what there was for all of them."""
-        return f"it answers in {answer_s:.1f} s, where there are {budget_s:.1f} s for all that is asked"
+        """What it takes for an answer, and what there was for all of them: a look takes three, a move two and more."""
+        return f"an answer takes it {answer_s:.1f} s, and there were {budget_s:.1f} s for all of several"
 
 
 class CameraAway(Unreachable):

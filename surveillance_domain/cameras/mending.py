@@ -8,8 +8,8 @@ _MENDS = {
     "Unreachable": "is it switched on and on this network, and are address and port in url those of its web page?",
     "TooLate": "is it switched on, and address and port in url right? else camera or network are overloaded: a longer "
     "step_s, or a smaller image, gives its answers time",
-    "TooSlow": "it answers, but too late: a longer step_s gives its answers time; a smaller image, fewer who look "
-    "through it, or a better network make them quicker",
+    "TooSlow": "it answers, but too late: a smaller image, fewer who look through it, or a better network make its "
+    "answers quicker, and a longer step_s, into which several of them fit, gives them time",
     "Overloaded": "it is there, but starts up or has too much to do: wait a minute; if it stays so, see who else looks "
     "through it, and restart it",
     "BrokeOff": "is the network overloaded, or a cable loose? if it stays so, restart the camera",

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Bool, Float32, Float64
+from jaxtyping import Bool, Float, Float32, Float64
 
 from surveillance_domain.model.build import Surveillance
+from surveillance_domain.model.elsewhere import Elsewhere, Place
 from surveillance_domain.page.palette import camera_colour, heat_palette
 from surveillance_domain.page.snapshot import CameraSnapshot, Snapshot
 from surveillance_domain.pictures.floor import extent_m, outline_m
@@ -45,7 +46,8 @@ class FloorPlan:
         from bokeh.plotting import figure
 
         self._surveillance, self._grid = surveillance, surveillance.site.grid
-        self._shown_views: list[int | None] = [None] * len(surveillance.site.cameras)
+        self._shown_views: list[tuple[int | None, Place | None]] = [(None, None)] * len(surveillance.site.cameras)
+        self._elsewhere = Elsewhere(surveillance.site)
         left, right, bottom, top = _extent_with_cameras(surveillance)
         self._arrow_m = _ARROW * max(right - left, top - bottom)
         self.aspect = (right - left) / (top - bottom)
@@ -83,9 +85,9 @@ class FloorPlan:
         """
         self.show_belief(snapshot, target)
         for number, camera in enumerate(snapshot.cameras):
-            if camera.view != self._shown_views[number]:
-                self._shown_views[number] = camera.view
-                member = self._member(number, camera.view)
+            if (camera.view, camera.place) != self._shown_views[number]:
+                self._shown_views[number] = (camera.view, camera.place)
+                member = self._member(number, camera.view, camera.place)
                 self._fields[number].data = _quads(self._grid, member)
                 self._edges[number].data = _segments(self._grid, member)
         self._cameras.data = self._marked(snapshot.cameras)
@@ -155,17 +157,23 @@ class FloorPlan:
         plan.add_tools(HoverTool(renderers=[heat], tooltips=[("expected here", "@image{0.000}")]))
         plan.add_tools(HoverTool(renderers=[cameras], tooltips="@name"))
 
-    def _member(self, camera: int, view: int | None) -> Bool[np.ndarray, "rows columns"] | None:
-        if view is None:
+    def _member(self, camera: int, view: int | None, place: Place | None) -> Bool[np.ndarray, "rows columns"] | None:
+        if view is not None:
+            seen: Float[np.ndarray, " cells"] | None = self._surveillance.views.detection[camera][view]
+        elif place is not None:
+            seen = self._elsewhere.detection(self._surveillance.site.cameras[camera].name, place)
+        else:
+            seen = None
+        if seen is None:
             return None
         member = np.zeros(self._grid.free.shape, dtype=bool)
-        member[self._grid.free] = self._surveillance.views.detection[camera][view] > 0
+        member[self._grid.free] = seen > 0
         return member
 
     def _marked(self, cameras: tuple[CameraSnapshot, ...]) -> dict[str, list[Any]]:
         """A camera with a view is a full disk, one without a grey cross."""
         places = [camera.mount.position_m for camera in self._surveillance.site.cameras]
-        has_view = [camera.view is not None for camera in cameras] or [False] * len(places)
+        has_view = [camera.has_view for camera in cameras] or [False] * len(places)
         return {
             "x": [x for x, _, _ in places],
             "y": [y for _, y, _ in places],

@@ -19,6 +19,7 @@ from surveillance_domain.model.looks import looks
 from surveillance_domain.model.optics import orientation
 from surveillance_domain.page.snapshot import CameraSnapshot, Mark, PictureSnapshot, Snapshot
 from surveillance_domain.site.camera import Camera
+from surveillance_domain.world.base import Sighting
 from surveillance_domain.world.truth import Truth
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def snapshot_of(
         number=step.number,
         time_s=step.sighting.time_s,
         cameras=tuple(
-            _camera(camera, watch, step.sighting.views[camera.name], told[camera.name], pictures.get(camera.name))
+            _camera(camera, watch, step.sighting, told[camera.name], pictures.get(camera.name))
             for camera in surveillance.site.cameras
         ),
         targets=targets,
@@ -73,9 +74,9 @@ def snapshot_of(
 
 
 def _camera(
-    camera: Camera, watch: Watch, view: str | None, told: Mapping[str, Any], picture: PictureSnapshot | None
+    camera: Camera, watch: Watch, sighting: Sighting, told: Mapping[str, Any], picture: PictureSnapshot | None
 ) -> CameraSnapshot:
-    report = watch.world.reports[camera.name]
+    view, report = sighting.views[camera.name], watch.world.reports[camera.name]
     at, last = watch.last_faults.get(camera.name, (0, ""))
     return CameraSnapshot(
         name=camera.name,
@@ -85,6 +86,7 @@ def _camera(
         failures=told["failures"],
         because=report.because or (f"step {at}: {last}" if last else ""),
         picture=picture,
+        place=sighting.elsewhere.get(camera.name),
     )
 
 

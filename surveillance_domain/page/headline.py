@@ -22,7 +22,7 @@ def headline(snapshot: Snapshot | None, age_s: float = 0.0, overdue_s: float = f
     """
     if snapshot is None:
         return '<p class="waiting">Waiting for the first step.</p>'
-    with_view = sum(camera.view is not None for camera in snapshot.cameras)
+    with_view = sum(camera.has_view for camera in snapshot.cameras)
     tiles = [
         ("step", f"{snapshot.number:,}"),
         ("since the start", str(timedelta(seconds=int(snapshot.time_s)))),

@@ -57,7 +57,7 @@ class HealthTable:
         """Set every row to how its camera is, and every button to what it would do now."""
         for number, (camera, now) in enumerate(zip(self._cameras, cameras, strict=True)):
             view = None if now.view is None else camera.presets[now.view].name
-            self._rows[number].text = health_row(now, view, camera_colour(number))
+            self._rows[number].text = health_row(now, view or _place(now), camera_colour(number))
         self.show_holds()
 
     def show_holds(self) -> None:
@@ -76,6 +76,14 @@ class HealthTable:
 def holder(state: str) -> str:
     """Who has a camera, from its state; empty if the watch does."""
     return {"held": "hold or this page", "moved by somebody else": "somebody else"}.get(state, "")
+
+
+def _place(camera: CameraSnapshot) -> str | None:
+    """Where a camera looks that looks at no preset of its own."""
+    if camera.place is None:
+        return None
+    pan, tilt, _ = camera.place
+    return f"pan {pan:.0f}°, tilt {tilt:.0f}°"
 
 
 def health_row(camera: CameraSnapshot, view: str | None, colour: str) -> str:

@@ -70,6 +70,8 @@ class CameraSnapshot:
         What went wrong with it, in this step or when it last lost its view; empty if nothing did.
     picture : PictureSnapshot or None
         Of this step.
+    place : (float, float, float) or None
+        Pan and tilt in degrees, and zoom, where it looked at no preset of its own and was listened to all the same.
     """
 
     name: str
@@ -79,6 +81,12 @@ class CameraSnapshot:
     failures: int
     because: str
     picture: PictureSnapshot | None
+    place: tuple[float, float, float] | None = None
+
+    @property
+    def has_view(self) -> bool:
+        """Whether it was listened to."""
+        return self.view is not None or self.place is not None
 
 
 @dataclass(frozen=True, eq=False)

@@ -105,8 +105,9 @@ class Examination:
         except CameraError as problem:
             yield self._unreached(camera, problem)
             return
-        yield Check("reachability", True, f"answers in {1000 * (self.clock.now() - started):.0f} ms")
         user = camera.description.username
+        all_of_it = ", the log-in being part of it" if user else ""
+        yield Check("reachability", True, f"answers in {1000 * (self.clock.now() - started):.0f} ms{all_of_it}")
         yield Check("authentication", True, f"lets {user} in" if user else "lets everybody in")
         yield _limits(camera)
         picture = None
@@ -205,9 +206,12 @@ class Examination:
                 )
         except CameraError as problem:
             return _failed("move", problem, camera)
-        elsewhere = [one for one in description.presets if not _at(one).agrees(here, description.tolerance_deg)]
+        within = [one for one in description.presets if camera.limits is None or not camera.limits.faults(_at(one))]
+        elsewhere = [one for one in within if not _at(one).agrees(here, description.tolerance_deg)]
+        if not within:
+            return Check("move", False, "not turned: it can reach none of its presets")
         if not elsewhere:
-            return Check("move", True, "its only preset is where it looks")
+            return Check("move", True, "the only preset that it can reach is where it looks")
         there = elsewhere[0]
         out = camera.move(_at(there), description.move_deadline_s)
         if out.outcome is not Outcome.REACHED:
@@ -215,7 +219,7 @@ class Examination:
         back = camera.move(here, description.move_deadline_s)
         for move, where in ((out, f'to "{there.name}"'), (back, "back again")):
             if move.outcome is not Outcome.REACHED:
-                mend = "is it held, blocked, or told to move by somebody else?"
+                mend = mend_of(move.fault) or "is it held, blocked, or told to move by somebody else?"
                 return Check("move", False, f"{where}: {move.outcome}: {move.because}; {_left(back)}; {mend}")
         return Check("move", True, f'to "{there.name}" in {out.seconds:.2f} s, settled, and back')
 
@@ -277,4 +281,8 @@ def _others(camera: VapixCamera) -> Iterator[Check]:
 
 def _failed(name: str, problem: CameraError, camera: VapixCamera) -> Check:
     mend, told = mend_of(type(problem).__name__), without_name(problem, camera.name)
+    described = camera.description
+    if isinstance(problem, LoginRefused) and described.username and described.password_env:
+        mend = mend.replace("the password of username", f"the password of {described.username}")
+        mend = mend.replace("the environment variable that password_env names", described.password_env)
     return Check(name, False, f"{told}; {mend}" if mend else told)

@@ -193,7 +193,7 @@ def test_a_slow_camera_is_told_so() -> None:
             running.world.move(dict.fromkeys(ALL, "left"))
             running.world.observe()
             report = running.world.reports["south"]
-            assert "it answers in 1.2 s, where there are 1." in report.because
+            assert "an answer takes it 1.2 s, and there were 1." in report.because
             assert report.fault == "TooSlow"
         assert "it answers, but too late" in mend_of(report.fault)
         running.emulation.cameras["south"].faults.latency_s = 30.0

@@ -7,6 +7,7 @@ that somebody else moves the camera.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
@@ -33,6 +34,8 @@ _SHORTEST_POLL_S = 0.02
 _POLL_S = 0.1
 _LEAST_STALL_S = 1.0
 _ROUNDING_S = 1e-6
+_SET_OFF_S = 0.4
+"""One that tells the same position so long after it was asked to move has not set off."""
 _SLOW_SHARE = 0.5
 """Of the time for a move: an answer that takes longer leaves none to watch it."""
 
@@ -110,6 +113,7 @@ class _Trip:
         self._clock, self._rng, self._until = clock, rng, until
         self.last: Position | None = None
         self.slowest_s = 0.0
+        self._asked = -math.inf
         self.commanded = False
 
     def go(self) -> tuple[Outcome, str, type[CameraError] | None]:
@@ -131,21 +135,21 @@ class _Trip:
             wait_s = self._pace.settle_s - steady_s if there else self._pace.travel_s(here, self._target) or _POLL_S
             self._clock.sleep(min(max(wait_s, _SHORTEST_POLL_S), self._until - self._clock.now()))
             if self._clock.now() >= self._until:
-                return Outcome.TIMED_OUT, *self._unfinished(begun, here)
+                return Outcome.TIMED_OUT, *self._unfinished(begun, here, self._asked - sent)
             here = self._read()
 
-    def _unfinished(self, begun: Position, here: Position) -> tuple[str, type[CameraError]]:
-        """What a move that is not over in time has come to."""
+    def _unfinished(self, begun: Position, here: Position, after_s: float) -> tuple[str, type[CameraError]]:
+        """What a move that is not over in time had come to, so long after it was sent."""
         if here.agrees(self._target, self._pace.tolerance_deg):
             return f"it was at {_shown(here)}, but not still for long enough", NotThereInTime
-        if here.agrees(begun, self._pace.tolerance_deg):
+        if here.agrees(begun, self._pace.tolerance_deg) and after_s >= _SET_OFF_S - _ROUNDING_S:
             return f"it stood at {_shown(here)} and did not set off to {_shown(self._target)}", StandsStill
         return f"it was at {_shown(here)} on its way to {_shown(self._target)}", NotThereInTime
 
     def _read(self) -> Position:
-        asked = self._clock.now()
+        self._asked = self._clock.now()
         self.last = self._motors.read(self._until)
-        self.slowest_s = max(self.slowest_s, self._clock.now() - asked)
+        self.slowest_s = max(self.slowest_s, self._clock.now() - self._asked)
         if self._motors.witness.yields:
             raise _Taken
         return self.last

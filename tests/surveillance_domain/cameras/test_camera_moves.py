@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from surveillance_domain.cameras.base import Limits, Outcome, Position
 from surveillance_domain.cameras.errors import Refused, Unreachable
+from surveillance_domain.cameras.mending import mend_of
 from surveillance_domain.cameras.moving import Pace, drive
 from surveillance_domain.cameras.steadiness import Steadiness
 from surveillance_domain.cameras.witness import Witness
@@ -59,7 +60,13 @@ def test_a_move_that_takes_too_long_ends_with_the_budget() -> None:
         move = pair.driver.move(pair.right, 0.6)
         assert move.outcome is Outcome.TIMED_OUT
         assert move.seconds == pytest.approx(0.6)
-        assert "pan 20, tilt -40, zoom 1" in move.because
+        assert move.because == "it was at pan 20, tilt -40, zoom 1, but not still for long enough"
+        assert move.fault == "NotThereInTime"
+        cut_short = pair.driver.move(pair.left, 0.3)
+        assert cut_short.because.endswith("on its way to pan -20, tilt -40, zoom 1")
+        assert cut_short.fault == "NotThereInTime"
+        pair.clock.sleep(5.0)
+        assert pair.driver.move(pair.right, 5.0).outcome is Outcome.REACHED
         assert pair.driver.move(pair.right, 0.2).outcome is Outcome.REACHED
 
 
@@ -72,6 +79,11 @@ def test_a_position_that_stays_is_a_stalled_move() -> None:
         assert move.position == pair.left
         assert move.seconds == pytest.approx(1.2)  # still for a second, at the third look
         assert move.because == "it stands at pan -20, tilt -40, zoom 1 instead of pan 20, tilt -40, zoom 1"
+        assert move.fault == "StandsStill"
+        short = pair.driver.move(pair.right, 0.9)
+        assert (short.outcome, short.fault) == (Outcome.TIMED_OUT, "StandsStill")
+        assert short.because == "it stood at pan -20, tilt -40, zoom 1 and did not set off to pan 20, tilt -40, zoom 1"
+        assert mend_of(short.fault).startswith("it takes commands and does not turn")
 
 
 @pytest.mark.end_to_end

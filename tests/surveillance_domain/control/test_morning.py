@@ -63,6 +63,41 @@ def test_why_people_had_a_camera_is_told_even_if_the_first_step_does_not_tell_it
 
 
 @pytest.mark.example
+def test_outages_are_in_the_order_in_which_they_began() -> None:
+    """North is missing from the first step to the last, south from the third to the fifth."""
+    lines = []
+    for number in range(1, 8):
+        line = step(number, None)
+        south = "left" if not 3 <= number <= 5 else None
+        lines.append(
+            line
+            | {
+                "views": {"north": None, "south": south},
+                "cameras": {name: line["cameras"]["north"] for name in ("north", "south")},
+            }
+        )
+    assert [(one.camera, one.first) for one in summed(*lines).outages] == [("north", 1), ("south", 3)]
+
+
+@pytest.mark.example
+@pytest.mark.parametrize(
+    ("outcome", "fault", "mend"),
+    [
+        ("stalled", "StandsStill", "it takes commands and does not turn"),
+        ("stalled", "", "it takes commands and does not turn"),  # an older record
+        ("timed out", "NotThereInTime", "its moves take longer than the site says"),
+        ("timed out", "", "its moves take longer than the site says"),
+        ("timed out", "TooSlow", "it answers, but too late"),
+    ],
+)
+def test_a_move_that_does_not_arrive_has_the_mend_of_its_own_cause(outcome: str, fault: str, mend: str) -> None:
+    away = [step(n, None, because="it stands at pan 0", outcome=outcome, fault=fault) for n in (1, 2, 3)]
+    (spell,) = summed(*away).outages
+    assert spell.because == "it stands at pan 0"
+    assert spell.mend.startswith(mend)
+
+
+@pytest.mark.example
 def test_an_outage_has_its_cause_and_mend() -> None:
     late = [step(n, None, because="the answer did not end in time", fault="TooLate") for n in (2, 3, 4)]
     morning = summed(step(1, "left"), *late, step(5, "left"), step(6, None), step(7, "left"))

@@ -17,7 +17,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surveillance_domain.control.record import RecordError, RecordWriter, read_record
+from surveillance_domain.control.record import RecordError, RecordWriter, is_being_written, read_record
 
 HEADER = {"site": "lego", "step_s": 1.5}
 
@@ -139,6 +139,75 @@ def test_after_a_full_disk_a_new_file_is_begun_and_nothing_torn_is_left_inside(
         record.write({"step": 4})
     assert steps(tmp_path) == [1, 4]
     assert len(list(tmp_path.iterdir())) == 2
+    assert all(path.read_bytes().endswith(b"}\n") for path in tmp_path.iterdir())
+
+
+class Disk:
+    """So many bytes and no more, on this file or on all; what is taken off again gives no room back."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, room: int, each_file: bool) -> None:
+        self._honest, self._room, self._each = os.write, room, each_file
+        monkeypatch.setattr(os, "write", self.write)
+
+    def write(self, file: int, content: bytes) -> int:
+        if self._each:
+            room = self._room - os.fstat(file).st_size
+        else:
+            folder = Path(f"/proc/self/fd/{file}").resolve().parent
+            room = self._room - sum(path.stat().st_size for path in folder.glob("*.jsonl"))
+        if room <= 0:
+            raise OSError(errno.EFBIG if self._each else errno.ENOSPC, "no room")
+        return self._honest(file, content[:room])
+
+
+@pytest.mark.example
+def test_a_file_that_may_grow_no_further_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As with ``ulimit -f``."""
+    Disk(monkeypatch, 600, each_file=True)
+    record = RecordWriter(tmp_path, HEADER, 7.0)
+    for number in range(1, 21):
+        record.write({"step": number})
+    record.end({"how": "steps", "because": "", "steps": 20, "unrecorded": 0})
+    assert steps(tmp_path) == list(range(1, 21))
+    assert list(read_record(tmp_path))[-1]["kind"] == "end"
+
+
+@pytest.mark.example
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="needs /proc")
+@pytest.mark.parametrize("more", range(0, 200, 13))
+def test_how_a_run_ended_is_told_even_on_a_full_disk(
+    more: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wherever a step is torn; at most one more goes, to make room."""
+    Disk(monkeypatch, 1500 + more, each_file=False)
+    record, lost = RecordWriter(tmp_path, HEADER, 7.0), 0
+    for number in range(1, 21):
+        try:
+            record.write({"step": number, "filling": "x" * 100})
+        except OSError:
+            lost += 1
+    record.end({"how": "steps", "because": "all 20 steps done", "steps": 20, "unrecorded": lost})
+    lines = list(read_record(tmp_path))
+    assert lines[-1]["kind"] == "end"
+    assert lines[-1]["unrecorded"] == lost > 0
+    assert steps(tmp_path) == list(range(1, 1 + len(steps(tmp_path))))
+    assert 20 - lost - 1 <= len(steps(tmp_path)) <= 20 - lost
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.example
+def test_a_record_that_is_being_written_is_told_from_one_that_is_not(tmp_path: Path) -> None:
+    assert not is_being_written(tmp_path)
+    record = RecordWriter(tmp_path, HEADER, 7.0, full_bytes=300)
+    first = next(tmp_path.iterdir())
+    assert is_being_written(tmp_path)
+    assert is_being_written(first)
+    for number in range(10):
+        record.write({"step": number})
+        assert is_being_written(tmp_path)
+    assert not is_being_written(first)  # it goes on in others
+    record.close()
+    assert not is_being_written(tmp_path)
 
 
 @pytest.mark.example

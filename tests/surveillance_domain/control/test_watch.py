@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import socket
 from dataclasses import replace
 from itertools import islice
@@ -11,6 +12,7 @@ import pytest
 
 pytest.importorskip("cv2")
 
+from surveillance_domain.control.morning import Morning
 from surveillance_domain.control.record import RecordWriter, read_record
 from surveillance_domain.control.replaying import Refilter, sighting_of
 from surveillance_domain.control.watch import Watch
@@ -133,8 +135,52 @@ def test_a_record_that_cannot_be_written_is_told_of_and_does_not_stop_the_watch(
             record.room = step.number >= 3
         record.close()
     assert told == [("the record", "lost", "no space left on device"), ("the record", "returned", "")]
-    assert watch.unrecorded == 3
+    assert (watch.unrecorded, watch.unrecorded_because) == (3, "no space left on device")
     assert watch.summary()["steps"] == 5
+
+
+@pytest.mark.end_to_end
+@pytest.mark.parametrize("latency_s", [0.0, 0.05, 0.2])
+def test_a_camera_whose_position_has_frozen_is_to_be_restarted_however_slow_it_is(
+    latency_s: float, tmp_path: Path
+) -> None:
+    with emulated_watch(lego(), 2, 0) as running:
+        faults = running.emulation.cameras["north-east"].faults
+        faults.latency_s = latency_s
+        record = RecordWriter(tmp_path, {"step_s": 1.5, "virtual": True}, 7.0)
+        for step in islice(Watch(running.world, running.controller, record).turns(), 16):
+            faults.frozen = step.number >= 5
+        record.close()
+    morning = Morning()
+    for line in read_record(tmp_path):
+        morning.take(line)
+    morning.end()
+    (spell,) = morning.outages
+    assert (spell.camera, spell.over) == ("north-east", False)
+    assert re.match(
+        r"it (stands|stood) at pan \S+, tilt -40, zoom 1 (instead of|and did not set off to)", spell.because
+    )
+    assert "restart it" in spell.mend
+    assert "a longer step_s" not in spell.mend
+
+
+@pytest.mark.end_to_end
+def test_a_record_is_closed_once_with_how_the_run_ended(tmp_path: Path) -> None:
+    with emulated_watch(lego(), 1, 1) as running:
+        watch = Watch(running.world, running.controller, RecordWriter(tmp_path, {}, 7.0))
+        for _ in islice(watch.turns(), 2):
+            pass
+        watch.end("until", "--until 06:00")
+        watch.end("stopped", "too late to be told")
+    header, *_, last = read_record(tmp_path)
+    assert header["closes"] is True
+    assert {key: last[key] for key in ("kind", "how", "because", "steps", "unrecorded")} == {
+        "kind": "end",
+        "how": "until",
+        "because": "--until 06:00",
+        "steps": 2,
+        "unrecorded": 0,
+    }
 
 
 @pytest.mark.example

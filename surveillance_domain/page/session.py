@@ -28,6 +28,7 @@ _LOOK_AGAIN_MS = 2000
 _OVERDUE_STEPS, _OVERDUE_S = 3, 5.0
 
 _LOST = "document.getElementById('lost').hidden = {hidden}"
+_JOINED = "document.getElementById('joining').hidden = true"
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +95,7 @@ class Session:
             }
         )
         document.config.notify_connection_status = False  # the page says so itself, where nobody can miss it
+        document.js_on_event("document_ready", CustomJS(code=_JOINED))
         document.js_on_event("connection_lost", CustomJS(code=_LOST.format(hidden="false")))
         document.js_on_event("client_reconnected", CustomJS(code=_LOST.format(hidden="true")))
         self._overdue_s = _OVERDUE_STEPS * site.control.step_s + _OVERDUE_S

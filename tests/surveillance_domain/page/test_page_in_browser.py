@@ -178,6 +178,24 @@ def test_it_survives_a_cameras_death_and_shows_its_return(browser: Browser, show
 
 
 @pytest.mark.end_to_end
+def test_it_shows_where_somebody_has_turned_a_camera(browser: Browser, shown: Shown) -> None:
+    browser.open(shown.page.url)
+    browser.wait(lambda: browser.run("return document.getElementById('joining').hidden") is True)
+    shown.advance(2)
+    browser.wait(step_is(browser, 2))
+    shown.running.emulation.cameras["south"].motors.command({"pan": "20", "tilt": "-40"})
+    shown.advance(3)
+    browser.wait(step_is(browser, 5))
+    browser.wait(lambda: "moved by somebody else" in row(browser, 0))
+    assert shown.last.sighting.views["south"] is None
+    assert "pan 20°, tilt -40°" in row(browser, 0)
+    assert renderers(browser, "Quad", "left")[0] != []
+    assert renderers(browser, "Scatter", "marker")[0][0] == "circle"
+    assert "cameras with a view\n3 of 3" in browser.text("dl")
+    assert browser.complaints() == []
+
+
+@pytest.mark.end_to_end
 def test_a_camera_is_taken_and_given_back_by_its_button(browser: Browser, shown: Shown) -> None:
     shown.advance(1)
     browser.open(shown.page.url)

@@ -150,6 +150,8 @@ def test_somebody_at_the_joystick_is_left_alone_and_their_view_counts() -> None:
         sighting = running.world.observe()
         assert sighting.held == {"south"}
         assert sighting.views["south"] is None
+        assert list(sighting.elsewhere) == ["south"]
+        assert sighting.elsewhere["south"] == pytest.approx((10.0, -40.0, 1.0))
         running.world.move(MIDDLE)
         running.world.observe()
         assert sent(running)["south"][0] == pytest.approx(10.0)

@@ -90,9 +90,8 @@ def _write(figure: Figure, path: Path, options: Mapping[str, Any]) -> None:
         os.umask(umask)
         os.chmod(name, 0o666 & ~umask)
         os.replace(name, path)
-    except OSError as problem:  # what goes wrong in the middle of writing does not say where
+    except BaseException as problem:
         Path(name).unlink(missing_ok=True)
-        raise OSError(problem.errno, problem.strerror, str(path)) from problem
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
+        if isinstance(problem, OSError) and problem.errno is not None:  # it says what, but not where
+            raise OSError(problem.errno, problem.strerror, str(path)) from problem
         raise

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -106,8 +106,8 @@ def replay(
         pieces, empty = windows(stage, steps, runs, round(start_s / found.control.step_s))
     if not pieces:
         raise InputError(f"{trajectories}: nobody is on the map after --start-s {start_s:g}")
-    if not found.targets.doors:
-        told = f"site {found.name} has no [[targets.doors]]: everybody is believed to be on the map all the time"
+    warnings = [*_misplaced(stage), *_without_doors(found)]
+    for told in warnings:
         side_console().print(told, style="yellow", soft_wrap=True)
     if out is not None:
         ready_folder(out)
@@ -131,7 +131,7 @@ def replay(
             "moved_out_of_walls": stage.moved_out_of_walls,
         },
         "counts": tracks.counts.as_dict(),
-        "warnings": list(tracks.warnings),
+        "warnings": [*tracks.warnings, *warnings],
         "faults": [asdict(finding) for finding in tracks.findings],
         "interrupted": interrupted,
     }
@@ -142,6 +142,22 @@ def replay(
     answer(content, _shown(content, out), as_json=as_json)
     if interrupted:
         raise typer.Exit(INTERRUPTED)
+
+
+def _misplaced(stage: Stage) -> Iterator[str]:
+    """That most of a recording lies where nobody can be watched."""
+    import numpy as np
+
+    lost = stage.off_map + stage.in_walls
+    total = lost + int(np.isfinite(stage.path_m[..., 0]).sum())
+    if 2 * lost > total:
+        told = f"{stage.off_map:,} of {total:,} positions fall off the map and {stage.in_walls:,} into walls"
+        yield f"{told}, where nobody is watched; are --offset-m and --rotate-deg right?"
+
+
+def _without_doors(site: Site) -> Iterator[str]:
+    if not site.targets.doors:
+        yield f"site {site.name} has no [[targets.doors]]: everybody is believed to be on the map all the time"
 
 
 def _watched(

@@ -97,6 +97,20 @@ def test_a_site_without_doors_is_warned_of(surveillance: Callable[..., Any], peo
     answer = surveillance(*words(Path("tiny"), people, "--controller", "stat"))
     assert answer.code == 0
     assert "no [[targets.doors]]: everybody is believed to be on the map" in answer.err
+    assert "fall off the map" not in answer.err
+
+
+@pytest.mark.end_to_end
+def test_a_placement_that_loses_most_of_the_recording_is_warned_of(
+    surveillance: Callable[..., Any], site: Path, people: Path
+) -> None:
+    """Moved 3 m to the east, of each of the two only x = 2.5, 3.5 and 4.5 are on the map."""
+    answer = surveillance(*words(site, people, "--offset-m", "3,0", "--controller", "stat"))
+    assert answer.code == 0, answer.err
+    lost = answer.json["placed"]["off_map"]
+    (told,) = answer.json["warnings"]
+    assert told.startswith(f"{lost} of 16 positions fall off the map and 0 into walls")
+    assert "are --offset-m and --rotate-deg right?" in answer.err
 
 
 @pytest.mark.end_to_end

@@ -38,6 +38,9 @@ _FORETOLD = """*Faster*: share of the moves in the scene that are faster than th
 Then the log-likelihood of the cell of the next position, in nats a step, in the scene for which it was learned
 (towards 0 is better): of the model, of the same on the grid with 8 directions as the belief has it, of a random walk
 and of constant velocity (these two with widths from the scene of learning, too)."""
+_CHECKED = """One controller against all windows of a scene is a matter of seconds; what stands in `per_run` are the
+windows, and their mean is in the table. In the folder of the recordings, with the sites of `benchmarks/sites` copied
+there:"""
 _DATA = """Recordings: S. Pellegrini, A. Ess, K. Schindler, L. van Gool, *You'll never walk alone* (ICCV 2009), and
 A. Lerner, Y. Chrysanthou, D. Lischinski, *Crowds by example* (Eurographics 2007). They are not part of this project,
 and only aggregates over windows are published here: [people.csv](figures/people.csv) and
@@ -95,6 +98,7 @@ def page(people: People, scenes: Sequence[Scene]) -> str:
                 _missed(people, scenes),
                 _exceptions(people, scenes),
                 _learned(people, scenes),
+                _checked(scenes),
                 fill(_DATA),
             ]
         )
@@ -111,6 +115,22 @@ def _opening(people: People, scenes: Sequence[Scene]) -> str:
     longest = max(len(people.windows[scene.name, "pomdp"]) for scene in scenes)
     found = made_by(longest, FULL_WINDOWS, people.seed)
     return fill(f"{found}: {words(told)}, each of {STEPS} steps of a second, seed {people.seed}.")
+
+
+def _checked(scenes: Sequence[Scene]) -> str:
+    """How a reader makes a line of the table anew."""
+    lines = []
+    for scene in scenes:
+        (other,) = (one for one in scenes if one.name != scene.name)
+        site, (x, y) = scene.site.name, scene.placement.offset_m
+        turned = f" --rotate-deg {scene.placement.rotate_deg:g}" if scene.placement.rotate_deg else ""
+        lines += [
+            f"surveillance learn {other.recording} --frames-per-s {other.frames_per_s:g} --step-s 1 --cell-m 1 "
+            f"--write {site}",
+            f"surveillance replay {site} {scene.recording} --frames-per-s {scene.frames_per_s:g} --steps {STEPS} "
+            f"--offset-m={x:g},{y:g}{turned} --controller pomdp --json",
+        ]
+    return "\n".join(["## To see it again", "", fill(_CHECKED), "", "```sh", *lines, "```"])
 
 
 def _rankings(people: People, scenes: Sequence[Scene]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -39,7 +40,7 @@ def comparison_content(
         "detection_probability": plan.setups[0].detection_probability,
         "cell_noise_m": plan.setups[0].cell_noise_m,
         "rows": [
-            {**_record(row, names), "per_run": list(row.estimate.samples), "restarts": row.restarts}
+            {**_record(row, names, 0.0, 100.0), "per_run": list(row.estimate.samples), "restarts": row.restarts}
             for row in rows(plan, outcome.runs)
         ],
         "differences": [_record(row, names) for row in differences(plan, outcome.runs)],
@@ -49,14 +50,14 @@ def comparison_content(
     }
 
 
-def _record(row: Row, names: Names) -> dict[str, Any]:
+def _record(row: Row, names: Names, least: float = -math.inf, most: float = math.inf) -> dict[str, Any]:
     found = row.estimate
     return {
         "site": names[row.setup.site],
         "controller": row.controller,
         "targets": row.setup.targets,
         "mean": finite(found.mean),
-        "ci95": [finite(found.low), finite(found.high)],
+        "ci95": found.ends(least, most),
         "runs": len(found.samples),
     }
 

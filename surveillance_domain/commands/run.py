@@ -30,6 +30,12 @@ __all__ = ["run"]
 
 _START_S = 10.0
 _SELDOM_S = 5.0
+_OFTEN = 0.02
+"""Of target-steps: beliefs started anew more often than that are worth a word."""
+_CONTRADICTED = (
+    "Sightings contradict the model often: are detection_probability and cell_noise_m those of these cameras, and can "
+    'people move as they do by speeds_mps and the sigmas of [targets]? See "how well they see" in run-your-cameras.'
+)
 
 
 def run(
@@ -271,8 +277,9 @@ def _reasons(world: NetworkWorld) -> str:
 
 def _shown(content: Mapping[str, Any], missing: str) -> list[RenderableType]:
     rows = table("run", "found", right=["found"])
-    for key in ("site", "controller", "targets", "steps", "restarts"):
+    for key in ("site", "controller", "targets", "steps"):
         rows.add_row(key, str(content[key]))
+    rows.add_row("beliefs started anew", str(content["restarts"]))
     if content["percent_obs"] is not None:
         rows.add_row("PercentObs", f"{content['percent_obs']['mean']:.2f} %")
     if content["steps"]:
@@ -290,4 +297,6 @@ def _shown(content: Mapping[str, Any], missing: str) -> list[RenderableType]:
         cameras.add_row(camera["name"], camera["state"], str(camera["failures"]), *parked)
     closing = ["No camera gave a view in any step: nothing was watched."] if content["blind"] else []
     closing += [f"{missing}."] if missing else []
+    if content["restarts"] > _OFTEN * content["steps"] * content["targets"]:
+        closing.append(_CONTRADICTED)
     return [rows, cameras, *closing]

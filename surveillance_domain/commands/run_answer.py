@@ -18,7 +18,10 @@ __all__ = ["measured", "shown_runs", "write_run"]
 
 
 def measured(done: Mapping[int, Run]) -> dict[str, Any]:
-    """PercentObs, times of decisions and restarts of runs, by their numbers; a run without targets has no share."""
+    """PercentObs, times of decisions and restarts of runs, by their numbers; a run without targets has no share.
+
+    Student's interval of few runs is cut where no share can be, below 0 and above 100 %.
+    """
     from surveillance_domain.commands.folder import finite
     from surveillance_domain.experiments.estimates import decision_times, percent_obs_of
 
@@ -28,7 +31,7 @@ def measured(done: Mapping[int, Run]) -> dict[str, Any]:
         "runs": len(done),
         "percent_obs": {
             "mean": finite(found.mean),
-            "ci95": [finite(found.low), finite(found.high)],
+            "ci95": found.ends(0.0, 100.0),
             "per_run": [finite(done[number].percent_obs) for number in sorted(done)],
         },
         "decision_ms": {"median": finite(median), "p99": finite(late)},

@@ -144,7 +144,8 @@ class Morning:
         for name, view in step["views"].items():
             held = name in step["held"]
             self._spell((name, True), held, step)
-            self._spell((name, False), view is None and not held, step)
+            elsewhere = name in step.get("elsewhere", ())  # older records have none
+            self._spell((name, False), view is None and not elsewhere and not held, step)
         self._number(step)
 
     def _spell(self, key: tuple[str, bool], on: bool, step: Mapping[str, Any]) -> None:

@@ -170,8 +170,8 @@ class Watch:
         if present:
             self._shares, self._counted = self._shares + step.observed / present, self._counted + 1
         self._decision_ms.append(step.decision_ms)
-        for name, view in step.sighting.views.items():
-            if view is None and name not in step.sighting.held:
+        for name in step.sighting.views:
+            if name not in step.sighting.looking and name not in step.sighting.held:
                 self.failures[name] += 1
                 self.last_faults[name] = step.number, self.world.reports[name].because or NO_VIEW
 
@@ -192,12 +192,12 @@ class Watch:
         """A camera is lost when its driver leaves it alone, or when it gives no view for long; a view is its return."""
         now = step.sighting.time_s
         for name, report in self.world.reports.items():
-            if step.sighting.views[name] is not None or name in step.sighting.held:
+            if name in step.sighting.looking or name in step.sighting.held:
                 self._seen_last[name] = now
             away = report.health.state is not HealthState.READY
             if away or now - self._seen_last.setdefault(name, now) >= _LOST_S:
                 self._change(name, True, report.health.because if away else report.because or "no view")
-            elif step.sighting.views[name] is not None:
+            elif name in step.sighting.looking:
                 self._change(name, False)
 
     def _change(self, name: str, lost: bool, because: str = "") -> None:

@@ -43,6 +43,10 @@ class Estimate:
         """Half of the interval's length."""
         return (self.high - self.low) / 2
 
+    def ends(self, least: float = -math.inf, most: float = math.inf) -> list[float | None]:
+        """The interval as far as a mean can be, between ``least`` and ``most``; ``None`` for infinite ends."""
+        return [min(max(end, least), most) if math.isfinite(end) else None for end in (self.low, self.high)]
+
 
 def estimate(samples: Iterable[float]) -> Estimate:
     """Mean and interval; runs without a number (nan) are left out."""

@@ -52,6 +52,11 @@ class Sighting:
     beyond: Mapping[str, str] = field(default_factory=dict)
     elsewhere: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
+    @property
+    def looking(self) -> frozenset[str]:
+        """Cameras that had a view, at a preset of theirs or elsewhere."""
+        return frozenset([*(name for name, view in self.views.items() if view is not None), *self.elsewhere])
+
 
 @runtime_checkable
 class World(Protocol):

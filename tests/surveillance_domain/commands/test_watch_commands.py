@@ -427,3 +427,22 @@ def test_an_alert_command_that_is_none_is_refused(surveillance: Callable[..., An
     found = surveillance("run", path, *FAST, "--steps", 1)
     assert found.code == 2
     assert "operation.alert_command: found say 'lost, which is no command" in found.err
+
+
+@pytest.mark.end_to_end
+def test_sightings_that_contradict_the_model_are_told_with_what_to_look_at(
+    surveillance: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Targets stand or run, says the model, and those of the emulation go at all speeds between; eyes are perfect."""
+    text = (resources.files("surveillance_domain.site") / "builtin" / "lego.toml").read_text(encoding="utf-8")
+    path = tmp_path / "site.toml"
+    path.write_text(text, encoding="utf-8")
+    words = ("--targets", 2, "--steps", 30, "--seed", 1)
+    assert "contradict" not in surveillance("run", path, *FAST, *words).out
+    changed = re.sub(r"sigma_speed_mps = .*\n", "", text)
+    changed = re.sub(r"speeds_mps = .*", "speeds_mps = [0.0, 0.4]\nsigma_speed_mps = 0.3", changed)
+    changed = re.sub(r"(detection_probability|cell_noise_m) = .*\n", "", changed)
+    path.write_text(changed, encoding="utf-8")
+    answer = surveillance("run", path, *FAST, *words)
+    assert answer.code == 0, answer.err
+    assert "Sightings contradict the model often: are detection_probability and cell_noise_m those" in answer.out

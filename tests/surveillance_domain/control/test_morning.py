@@ -106,3 +106,10 @@ def test_an_outage_has_its_cause_and_mend() -> None:
     assert spell.because == "the answer did not end in time"
     assert "a longer step_s" in spell.mend
     assert morning.short == {"north": 1}
+
+
+@pytest.mark.example
+def test_a_camera_that_looks_at_no_preset_of_its_own_has_not_lost_its_view() -> None:
+    turned = [step(n, None) | {"elsewhere": {"north": [55.0, -40.0, 1.0]}} for n in range(1, 6)]
+    assert summed(*turned).outages == []
+    assert len(summed(*(step(n, None) for n in range(1, 6))).outages) == 1

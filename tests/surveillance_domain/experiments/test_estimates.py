@@ -70,3 +70,10 @@ def test_rows_leave_out_what_was_not_run() -> None:
         (setups[0], "sys", (40.0,))
     ]
     assert {site: list(found) for site, found in panels(made).items()} == {"hall": ["pomdp", "sys"]}
+
+
+@pytest.mark.example
+def test_an_interval_ends_where_no_mean_can_be() -> None:
+    assert estimate([20.0, 60.0]).ends(0.0, 100.0) == [0.0, 100.0]
+    assert estimate([50.0, 50.0]).ends(0.0, 100.0) == [50.0, 50.0]
+    assert estimate([50.0]).ends(0.0, 100.0) == [None, None]

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
 
 from surveillance_domain.commands import main
+
+if TYPE_CHECKING:
+    from tests.real_cameras import Real
 
 
 class Answer(NamedTuple):
@@ -34,3 +38,21 @@ def surveillance(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
         return Answer(int(ended.value.code or 0), *capsys.readouterr())
 
     return run
+
+
+@pytest.fixture
+def state(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A state folder of its own, and the cameras' password."""
+    from surveillance_domain.emulation.site import PASSWORD
+
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+    monkeypatch.setenv("CAM_PASSWORD", PASSWORD)
+
+
+@pytest.fixture
+def real(tmp_path: Path, state: None) -> Iterator[Real]:
+    """Cameras in real time, and their site file."""
+    from tests.real_cameras import real_cameras
+
+    with real_cameras(tmp_path) as cameras:
+        yield cameras

@@ -31,7 +31,9 @@ STEPS = 40
 """Of a window, in seconds: about twice what it takes to cross a scene."""
 GUESSED = "pomdp:guessed"
 """P with the hall's numbers, which are nobody's."""
-WATCHING = (*COMPARED, "mp-hold", "mp-dead-reckoning", GUESSED)
+FINE, FINE_DIRECTIONS = "pomdp:fine", 24
+"""P with more directions than the sites have."""
+WATCHING = (*COMPARED, "mp-hold", "mp-dead-reckoning", GUESSED, FINE)
 
 
 @dataclass(frozen=True)
@@ -166,8 +168,11 @@ def with_motion(site: Site, fit: MotionFit) -> Site:
 def watch(scene: Scene, fit: MotionFit, controller: str, number: int, piece: Stage, seed: int) -> Watched:
     """One window under one controller."""
     site = load_site(scene.site)
-    name, _, guessed = controller.partition(":")
-    replay = prepared_replay(site if guessed else with_motion(site, fit), piece, name, seed, number)
+    name = controller.partition(":")[0]
+    believed = site if controller == GUESSED else with_motion(site, fit)
+    if controller == FINE:
+        believed = replace(believed, targets=believed.targets.model_copy(update={"directions": FINE_DIRECTIONS}))
+    replay = prepared_replay(believed, piece, name, seed, number)
     watched = watched_replay(replay)
     total = int(watched.present.sum())
     unmet, lost = (100 * int(missed.sum()) / total for missed in (watched.unmet, watched.lost))

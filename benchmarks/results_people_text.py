@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from results_people import FITS, GUESSED, PEOPLE, STEPS, WATCHING, Scene
+from results_people import FINE, FINE_DIRECTIONS, FITS, GUESSED, PEOPLE, STEPS, WATCHING, Scene
 from results_table import read_rows
 from results_words import VERDICTS, fill, made_by, signed, table, unsigned, words
 
 from surveillance_domain.experiments.estimates import Estimate, estimate
 from surveillance_domain.experiments.variants import ALL_NAMES, BOUNDS
+from surveillance_domain.model.motion_direction import turning_deg
+from surveillance_domain.site.load import load_site
 
 FULL_WINDOWS = 19
 """Of the longest recording."""
-NAMES = {**ALL_NAMES, GUESSED: "P, guessed motion"}
+NAMES = {**ALL_NAMES, GUESSED: "P, guessed motion", FINE: f"P, {FINE_DIRECTIONS} directions"}
 _MOST_WINDOWS = 10
 """So many times more: what would take longer to decide counts as no difference."""
-RIVALS = tuple(name for name in WATCHING if name != "pomdp")
+RIVALS = tuple(name for name in WATCHING if name not in ("pomdp", FINE))
 _ABOUT = """Recorded people in the place of simulated targets: they do not follow the model, come and go as they please,
 and nobody knows beforehand how they walk. For each scene the motion model was **learned on the other scene**, never on
 itself; camera poses, doors and their rates were fixed from the map's or the picture's geometry before any controller
@@ -38,6 +40,9 @@ _FORETOLD = """*Faster*: share of the moves in the scene that are faster than th
 Then the log-likelihood of the cell of the next position, in nats a step, in the scene for which it was learned
 (towards 0 is better): of the model, of the same on the grid with 8 directions as the belief has it, of a random walk
 and of constant velocity (these two with widths from the scene of learning, too)."""
+_COARSE = """The paper's directions are few, and the sites have as many. People who turn little turn still less in a
+belief whose bins are far wider than their turns: it goes straight on until it jumps by a whole bin. More directions
+cost memory and time in proportion."""
 _CHECKED = """One controller against all windows of a scene is a matter of seconds; what stands in `per_run` are the
 windows, and their mean is in the table. In the folder of the recordings, with the sites of `benchmarks/sites` copied
 there:"""
@@ -59,9 +64,9 @@ class People:
         """Over windows."""
         return estimate(one[what] for one in self.windows[scene, controller].values())
 
-    def lead(self, scene: str, other: str) -> Estimate:
-        """P minus another, window by window."""
-        ours, theirs = self.windows[scene, "pomdp"], self.windows[scene, other]
+    def lead(self, scene: str, other: str, name: str = "pomdp") -> Estimate:
+        """P (or another that is ours) minus another, window by window."""
+        ours, theirs = self.windows[scene, name], self.windows[scene, other]
         return estimate(ours[number]["percent"] - theirs[number]["percent"] for number in sorted(ours))
 
     def total(self, scene: str, controller: str, what: str) -> float:
@@ -97,6 +102,7 @@ def page(people: People, scenes: Sequence[Scene]) -> str:
                 fill(_BOUNDS),
                 _missed(people, scenes),
                 _exceptions(people, scenes),
+                *_directions(people, scenes),
                 _learned(people, scenes),
                 _checked(scenes),
                 fill(_DATA),
@@ -214,6 +220,29 @@ def _learning(people: People, scene: str) -> str:
         f"of the moves here {float(fit['faster']):.0f} % are faster than any speed that was learned there, and "
         f"sightings contradict the learned motion {ours:.1f} times in a thousand target-steps, the guess {guessed:.1f}"
     )
+
+
+def _directions(people: People, scenes: Sequence[Scene]) -> Iterator[str]:
+    """What the belief's bins of direction cost, where P was run with more of them."""
+    if (scenes[0].name, FINE) not in people.windows:
+        return
+    told = []
+    for scene in scenes:
+        (fit,) = (one for one in people.fits if one["scene"] == scene.name)
+        sigma, directions = float(fit["sigma_direction_deg"]), load_site(scene.site).targets.directions
+        coarse, fine = (turning_deg(count, sigma) for count in (directions, FINE_DIRECTIONS))
+        contradicted = [
+            1000 * people.total(scene.name, name, "restarts") / people.total(scene.name, name, "present")
+            for name in ("pomdp", FINE)
+        ]
+        coarser, static = (signed(people.lead(scene.name, other, FINE)) for other in ("pomdp", "msp"))
+        told.append(
+            f"- {scene.name}: learned are turns of σ = {sigma:.1f}° a step; {directions} directions make {coarse:.1f}° "
+            f"of them, {FINE_DIRECTIONS} make {fine:.1f}°. P with {FINE_DIRECTIONS} minus P with {directions}: "
+            f"{coarser}; minus MSP: {static}; sightings that contradict the motion, in a thousand target-steps: "
+            f"{contradicted[0]:.1f} → {contradicted[1]:.1f}."
+        )
+    yield "\n".join(["## How many directions", "", fill(_COARSE), "", *told])
 
 
 def _learned(people: People, scenes: Sequence[Scene]) -> str:

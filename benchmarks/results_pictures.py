@@ -48,7 +48,7 @@ _SIMULATED = (
 def main() -> None:
     """Run what is missing, and write the section."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--runs", type=int, default=30, help="of each number of robots")
+    parser.add_argument("--runs", type=int, default=10, help="of each number of robots")
     parser.add_argument("--out", type=Path, default=DOCS, help="folder for results.md and figures/")
     parser.add_argument("--text-only", action="store_true", help="write the section again from figures/pictures.csv")
     given = parser.parse_args()

@@ -82,7 +82,7 @@ def learn(
     from surveillance_domain.commands.folder import ready_folder
     from surveillance_domain.commands.learn_answer import carried, learned_content, shown_learned
     from surveillance_domain.commands.learn_input import read_all, together
-    from surveillance_domain.commands.learn_site import checked_site, of_walls, write_learned
+    from surveillance_domain.commands.learn_site import checked_site, of_turning, of_walls, write_learned
     from surveillance_domain.commands.progress import progress_bar
     from surveillance_domain.trajectories.learning import Wanted, learn_motion
 
@@ -123,6 +123,14 @@ def learn(
             _warn(told_of_walls)
         if placed is None:
             _tell_of_prior(write, len(found))
+    coarse = (
+        of_turning(directions, learned.fit, "--directions {}")
+        if site is None
+        else of_turning(site.targets.directions, learned.fit, f"directions = {{}} in [targets] of {site.path}")
+    )
+    if coarse is not None:
+        content["warnings"].append(coarse)
+        _warn(coarse)
     if learned.judged.impossible > _OFTEN_IMPOSSIBLE:
         _warn(
             f"{learned.judged.impossible:.0%} of the held-out steps end, in part, in cells that {directions} "

@@ -17,8 +17,11 @@ if TYPE_CHECKING:
     from surveillance_domain.trajectories.fitting import MotionFit
     from surveillance_domain.trajectories.prior import PlacedPrior
 
-__all__ = ["checked_site", "of_walls", "prior_path", "write_learned"]
+__all__ = ["checked_site", "of_turning", "of_walls", "prior_path", "write_learned"]
 
+_TURNS_ENOUGH = 0.8
+"""Of the sigma that was learned: where the grid's turns have less, more directions are advised."""
+_DIRECTIONS = (8, 12, 16, 24, 36, 48, 72)
 _COMMENT = re.compile(r"#[^\n]*")
 
 
@@ -95,6 +98,21 @@ def of_walls(site: Site, fit: MotionFit) -> str | None:
         f"follow a wall once they have met it: {STEPS} steps on, half of them would be in {cells[0]:,} of "
         f'{site.grid.size:,} cells, with walls = "reflect" in {cells[1]:,}; set that in [targets], or simulated people '
         "gather in corners"
+    )
+
+
+def of_turning(directions: int, fit: MotionFit, where: str) -> str | None:
+    """What is to be told where a number of directions is too small for people who turn as was learned."""
+    from surveillance_domain.model.motion_direction import turning_deg
+
+    sigma = fit.sigma_direction_deg
+    found = turning_deg(directions, sigma)
+    if found >= _TURNS_ENOUGH * sigma:
+        return None
+    enough = next((n for n in _DIRECTIONS if 360 / n <= 2 * sigma), _DIRECTIONS[-1])
+    return (
+        f"with {directions} directions a target turns by {found:.2g}° a step in place of {sigma:.3g}°, and goes straight "
+        f"on where people bend: {where.format(enough)} has bins no wider than two sigmas"
     )
 
 

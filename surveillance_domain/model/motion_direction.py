@@ -11,7 +11,7 @@ import math
 import numpy as np
 from jaxtyping import Float
 
-__all__ = ["direction_table", "speed_table"]
+__all__ = ["direction_table", "speed_table", "turning_deg"]
 
 NEGLIGIBLE_SIGMAS = 9.0
 
@@ -41,6 +41,13 @@ def direction_table(directions: int, sigma_deg: float) -> Float[np.ndarray, "dir
     mass /= mass.sum()
     bins = np.arange(directions)
     return mass[(bins[None, :] - bins[:, None]) % directions]
+
+
+def turning_deg(directions: int, sigma_deg: float) -> float:
+    """Standard deviation in degrees of a turn in `direction_table`: less than sigma where bins are far wider."""
+    turns = np.arange(directions) * 360.0 / directions
+    turns[turns > 180] -= 360
+    return float(np.sqrt(direction_table(directions, sigma_deg)[0] @ turns**2))
 
 
 def speed_table(speeds_mps: tuple[float, ...], sigma_mps: float) -> Float[np.ndarray, "speeds speeds"]:

@@ -330,3 +330,15 @@ def test_a_link_to_a_site_file_stays_a_link(
     assert answer.json["written"] == [str(site), str(site.with_name("site-prior.csv"))]
     assert load_site(site).targets.prior == "site-prior.csv"
     assert load_site(link).prior is not None  # what a site file names lies beside the file, not beside the link
+
+
+@pytest.mark.end_to_end
+def test_directions_too_few_for_how_people_turn_are_told(surveillance: Callable[..., Any], people: Path) -> None:
+    """They turn by 11.5 degrees a step: bins of 90 degrees lose that, those of 22.5 are within two sigmas."""
+    words = ("learn", people, "--step-s", 0.5, "--cell-m", 1, "--frames-per-s", 20, "--json")
+    assert not any("directions a target turns" in told for told in surveillance(*words).json["warnings"])
+    coarse = surveillance(*words, "--directions", 4)
+    (told,) = (told for told in coarse.json["warnings"] if "directions a target turns" in told)
+    assert told.startswith("with 4 directions a target turns by ")
+    assert "--directions 16 has bins no wider than two sigmas" in told
+    assert told in coarse.err.replace("\n", " ")

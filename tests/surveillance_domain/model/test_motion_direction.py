@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from surveillance_domain.model.motion_direction import direction_table, speed_table
+from surveillance_domain.model.motion_direction import direction_table, speed_table, turning_deg
 
 
 def normal_below(value: float) -> float:
@@ -73,3 +73,11 @@ def test_order_of_the_speeds_does_not_matter():
 def test_one_speed_or_no_spread_keeps_the_speed():
     assert np.array_equal(speed_table((1.5,), 0.3), np.eye(1))
     assert np.array_equal(speed_table((0.5, 1.5), 0.0), np.eye(2))
+
+
+@pytest.mark.example
+def test_wide_bins_turn_less_than_sigma_and_narrow_ones_as_much():
+    """At 8.64 degrees one turn in 109 leaves a bin of 45: P(|z| > 22.5 / 8.64) = 0.00921, 45 sqrt(0.00921) = 4.32."""
+    assert turning_deg(8, 8.64) == pytest.approx(4.32, abs=0.01)
+    assert turning_deg(72, 8.64) == pytest.approx(8.64, rel=0.02)
+    assert turning_deg(8, 0.0) == 0.0

@@ -111,8 +111,8 @@ def of_turning(directions: int, fit: MotionFit, where: str) -> str | None:
         return None
     enough = next((n for n in _DIRECTIONS if 360 / n <= 2 * sigma), _DIRECTIONS[-1])
     return (
-        f"with {directions} directions a target turns by {found:.2g}° a step in place of {sigma:.3g}°, and goes straight "
-        f"on where people bend: {where.format(enough)} has bins no wider than two sigmas"
+        f"with {directions} directions a target turns by {found:.2g}° a step in place of {sigma:.3g}°, and goes "
+        f"straight on where people bend: {where.format(enough)} has bins no wider than two sigmas"
     )
 
 

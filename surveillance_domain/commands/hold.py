@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from factored_pomdp.commands.answers import AsJson, answer, side_console
+from factored_pomdp.commands.answers import AsJson, Refused, answer, side_console
 from surveillance_domain.commands.one_camera import described_camera
 from surveillance_domain.commands.options import SiteName, input_checked
 from surveillance_domain.commands.watch_state import state_of
@@ -24,15 +24,18 @@ def hold(
 
     It is held by its address: every site file that names the camera leaves it alone.
     """
+    from surveillance_domain.control.disk import said
     from surveillance_domain.site.load import load_site
 
     with input_checked():
         found = load_site(site)
     described_camera(found, camera)
     state = state_of(found)
-    with input_checked((OSError,)):
+    try:
         state.hold(camera, not release)
-        heeded = state.heeded(camera)
+    except OSError as problem:
+        raise Refused(f"{camera} cannot be {'released' if release else 'held'}: {said(problem)}") from None
+    heeded = state.heeded(camera)
     held = sorted(state.held())
     told = f"{camera} is {'released' if release else 'held'}."
     if heeded:

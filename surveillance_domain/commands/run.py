@@ -75,7 +75,7 @@ def run(
 
         from surveillance_domain.commands.live_page import live_page, page_request
         from surveillance_domain.commands.network import network_of
-        from surveillance_domain.commands.run_record import closed_record, missing_steps, telling_of
+        from surveillance_domain.commands.run_record import closed_record, missing_steps, summed_up, telling_of
         from surveillance_domain.commands.service_manager import ALIVE, READY, STOPPING, notify
         from surveillance_domain.control.watch import Watch
         from surveillance_domain.site.load import load_site
@@ -122,9 +122,8 @@ def run(
         stack.enter_context(closed_record(watch))
         tell = _teller(watch, found, steps, progress)
         show = stack.enter_context(live_page(asked, watch, network, state, chosen))
-        notify(READY)
         for step in () if stop.asked else watch.turns():
-            notify(ALIVE)
+            notify(*((READY, ALIVE) if step.number == 1 else (ALIVE,)))  # only after the first step all is compiled
             tell()
             show(step)
             if steps is not None and step.number >= steps:
@@ -139,7 +138,7 @@ def run(
         watch.end("stopped", f"stopped by {'Ctrl-C' if stop.signal is signal.SIGINT else 'SIGTERM'}")
         homeward = park or (stop.signal is signal.SIGTERM and not shadow)
         parked = {name: one.told for name, one in network.world.park().items()} if homeward else {}
-        content = _content(watch.summary(), found, network.surveillance, chosen, seed, parked)
+        content = _content(summed_up(watch, written), found, network.surveillance, chosen, seed, parked)
     missing = missing_steps(content, record)
     answer(content, _shown(content, missing), as_json=as_json)
     if content["blind"]:

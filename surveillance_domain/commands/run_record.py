@@ -13,16 +13,16 @@ if TYPE_CHECKING:
     from surveillance_domain.control.record import RecordWriter
     from surveillance_domain.control.watch import Alert, Watch
 
-__all__ = ["begun_record", "closed_record", "missing_steps", "telling_of"]
+__all__ = ["begun_record", "closed_record", "missing_steps", "summed_up", "telling_of"]
 
 
 def begun_record(folder: Path, header: Mapping[str, Any], keep_days: float) -> RecordWriter:
-    """A record in a folder.
+    """A record in a folder; where the disk is full, or fails, it begins when that is over.
 
     Raises
     ------
     InputError
-        If it cannot be written there.
+        If it cannot be written there, and not because of the disk.
     """
     from surveillance_domain.control.record import RecordWriter
 
@@ -57,6 +57,15 @@ def closed_record(watch: Watch) -> Iterator[None]:
     except BaseException as problem:
         watch.end("error", f"failed: {type(problem).__name__}")
         raise
+
+
+def summed_up(watch: Watch, written: RecordWriter | None) -> dict[str, Any]:
+    """The watch's summary, with the step that was recorded until the end of the run took its place."""
+    found = watch.summary()
+    if written is None or not written.taken_off:
+        return found
+    because = found["unrecorded_because"] or "no room for how the run ended"
+    return {**found, "unrecorded": found["unrecorded"] + written.taken_off, "unrecorded_because": because}
 
 
 def missing_steps(content: Mapping[str, Any], folder: Path | None) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from factored_pomdp.commands.answers import InputError
+from factored_pomdp.commands.answers import InputError, side_console
 
 if TYPE_CHECKING:
     from surveillance_domain.control.watch_state import WatchState
@@ -24,7 +24,7 @@ def state_of(site: Site) -> WatchState:
     Raises
     ------
     InputError
-        If its folder cannot be made.
+        If its folder cannot be made, though the disk is well.
     """
     from surveillance_domain.control.watch_state import WatchState
 
@@ -39,6 +39,8 @@ def state_of(site: Site) -> WatchState:
 def alone(state: WatchState, patience_s: float = 0.0) -> Iterator[None]:
     """Be the only one who commands the cameras, as soon as somebody else who is just ending has ended.
 
+    What a full disk keeps from being locked is a warning.
+
     Raises
     ------
     InputError
@@ -50,7 +52,7 @@ def alone(state: WatchState, patience_s: float = 0.0) -> Iterator[None]:
     while True:
         lock = state.locked()
         try:
-            lock.__enter__()
+            faults = lock.__enter__()
         except AlreadyRun as problem:
             if time.monotonic() >= until:
                 raise InputError(str(problem)) from None
@@ -58,6 +60,10 @@ def alone(state: WatchState, patience_s: float = 0.0) -> Iterator[None]:
         else:
             break
     try:
+        if faults:
+            warning = "warning: another run of these cameras may not be refused, for this cannot be locked:"
+            more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+            side_console().print(f"{warning} {faults[0]}{more}", soft_wrap=True)
         yield
     finally:
         lock.__exit__(None, None, None)

@@ -60,7 +60,18 @@ class KeptMemory(Memory):
 
 
 def replaced(path: Path, text: str) -> None:
-    """Write a file whole, or not at all, whenever the process is killed."""
+    """Write a file whole, or not at all, whenever the process is killed.
+
+    Raises
+    ------
+    OSError
+        If that failed; nothing is left of it then.
+    """
     beside = path.with_name(f"{path.name}.{os.getpid()}")
-    beside.write_text(text, encoding="utf-8")
-    os.replace(beside, path)
+    try:
+        beside.write_text(text, encoding="utf-8")
+        os.replace(beside, path)
+    except OSError:
+        with suppress(OSError):
+            beside.unlink(missing_ok=True)
+        raise

@@ -8,7 +8,7 @@ ended; where that is missing, the run was killed, or is still there: the file th
 
 A line that could not be written, as on a full disk, is taken off again; a new file is begun for it, and if that fails
 too, it is an error for the caller. How the run ended needs so little room that it is written all the same, if need be
-where the last step stood.
+where the last step stood, which then counts as one that is not recorded.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
+
+from surveillance_domain.control.disk import disk_fails
 
 __all__ = ["RecordError", "RecordWriter", "is_being_written", "read_record"]
 
@@ -46,23 +48,32 @@ class RecordWriter:
     keep_days : float
     full_bytes : int
 
+    Attributes
+    ----------
+    taken_off : int
+        Steps that were recorded, and had to make room for how the run ended.
+
     Raises
     ------
     OSError
-        If the folder cannot be written to.
+        If the folder cannot be written to, though the disk has room and may be written to. A disk that fails may mend:
+        then the record begins with the first line that can be written.
     """
 
     def __init__(
         self, folder: Path, header: Mapping[str, Any], keep_days: float, full_bytes: int = _FULL_BYTES
     ) -> None:
         self._folder, self._header, self._keep, self._full = folder, dict(header), timedelta(days=keep_days), full_bytes
-        folder.mkdir(parents=True, exist_ok=True)
         self._file, self._written, self._day, self._parts = -1, 0, "", 0
-        self._lock = -1
+        self._lock, self.taken_off = -1, 0
+        self._last: Path | None = None
         now = datetime.now(UTC)
         self._run = now.isoformat(timespec="microseconds")
-        self._last = self._begin(now)
-        self._lock_last()
+        try:
+            self._goes_on_in(self._begin(now))
+        except OSError as problem:
+            if not disk_fails(problem):
+                raise
 
     def write(self, entry: Mapping[str, Any]) -> None:
         """Append one line; ``written`` (UTC) is added to it.
@@ -75,7 +86,7 @@ class RecordWriter:
         self._append("step", entry)
 
     def end(self, entry: Mapping[str, Any]) -> None:
-        """Append the run's last line, and close.
+        """Append the run's last line, and close; a step that has to make room for it is added to its ``unrecorded``.
 
         Raises
         ------
@@ -85,8 +96,10 @@ class RecordWriter:
         try:
             self._append("end", entry)
         except OSError:
-            self._make_room()
-            self._append("end", entry)
+            if self._last is None:
+                raise
+            self.taken_off = self._make_room(self._last)
+            self._append("end", {**entry, "unrecorded": entry.get("unrecorded", 0) + self.taken_off})
         finally:
             self.close()
 
@@ -110,8 +123,7 @@ class RecordWriter:
             begun.unlink(missing_ok=True)
             self._parts -= 1
             raise
-        self._last = begun
-        self._lock_last()
+        self._goes_on_in(begun)
         return None
 
     def _close_file(self) -> None:
@@ -122,6 +134,7 @@ class RecordWriter:
     def _begin(self, now: datetime) -> Path:
         """A new file with a header."""
         self._close_file()
+        self._folder.mkdir(parents=True, exist_ok=True)
         for old in self._folder.glob(_PATTERN):
             with suppress(OSError):
                 if datetime.fromtimestamp(old.stat().st_mtime, UTC) < now - self._keep:
@@ -138,19 +151,21 @@ class RecordWriter:
         self._parts += 1
         return path
 
-    def _make_room(self) -> None:
-        """Go on in the last file, without its last line if that is a step."""
+    def _make_room(self, last: Path) -> int:
+        """Go on in the last file, without its last line if that is a step; how many steps that costs."""
         self._close_file()
-        self._file = os.open(self._last, os.O_RDWR | os.O_APPEND)
-        whole = self._last.read_bytes()
+        self._file = os.open(last, os.O_RDWR | os.O_APPEND)
+        whole = last.read_bytes()
         begins = whole[:-1].rfind(b"\n") + 1
         step = whole[begins:].startswith(b'{"kind": "step"')
         self._written, self._day = (begins if step else len(whole)), datetime.now(UTC).date().isoformat()
         os.ftruncate(self._file, self._written)
+        return int(step)
 
-    def _lock_last(self) -> None:
+    def _goes_on_in(self, last: Path) -> None:
         """Hold the lock of the last file that has lines, also while nothing can be written to it."""
-        before, self._lock = self._lock, os.open(self._last, os.O_RDONLY)
+        self._last = last
+        before, self._lock = self._lock, os.open(last, os.O_RDONLY)
         with suppress(OSError):  # a file system without locks
             fcntl.flock(self._lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
         if before >= 0:

@@ -6,20 +6,23 @@ that process lives. Under ``cameras`` are files about each camera, by its addres
 that name it mean the same: ``.lock`` is locked by whoever commands it, ``.heeded`` by every run that asks for
 ``.held``, which is there while people hold it, and ``.moved`` is there while it is left alone because somebody moved
 it. Those of cameras without an address are in the site's folder.
+
+A disk that is full, or may only be read, keeps nobody from commanding cameras: a file that is there already is locked
+whatever the disk is like, and one that cannot be made is told of. ``.held`` counts without a word in it.
 """
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import json
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import IO
 
 from surveillance_domain.control.addresses import addresses
+from surveillance_domain.control.disk import disk_fails, said
+from surveillance_domain.control.file_lock import is_locked, locked, shared
 from surveillance_domain.control.kept_memory import KeptMemory, replaced
 from surveillance_domain.site.site import Site
 
@@ -49,7 +52,7 @@ class WatchState:
     Raises
     ------
     OSError
-        If the folder cannot be made.
+        If the folder cannot be made, though the disk has room and may be written to.
     """
 
     def __init__(self, site: Site, folder: Path | None = None) -> None:
@@ -60,8 +63,8 @@ class WatchState:
         self.folder = folder or home / "factored-pomdp" / f"{site.name}-{_digest(where, 12)}"
         self.root = self.folder.parent
         cameras = self.root / "cameras"
-        self.folder.mkdir(parents=True, exist_ok=True)
-        cameras.mkdir(exist_ok=True)
+        self._folders = self.folder, cameras
+        self._unmade = self._make_folders()
         places = addresses(site.cameras)
         self._commanded = tuple(places)
         self._files = {
@@ -70,48 +73,48 @@ class WatchState:
         }
 
     @contextmanager
-    def locked(self) -> Iterator[None]:
-        """Be the one who commands the cameras.
+    def locked(self) -> Iterator[list[str]]:
+        """Be the one who commands the cameras; what could not be locked, and why.
 
         Raises
         ------
         AlreadyRun
             If somebody else commands this site, or one of its cameras by another site file: which one, and their
             process number.
+        PermissionError
+            If a file may not even be read.
         """
-        me = str(os.getpid())
+        me, faults = f"process {os.getpid()}", [self._unmade] if self._unmade else []
         with ExitStack() as stack:
-            holder = stack.enter_context(_locked(self.folder / "lock", me))
+            holder = _entered(stack, self.folder / "lock", me, faults)
             if holder is not None:
-                raise AlreadyRun(
-                    f"site {self._site.name} is being run already, by process {holder}; stop that one first"
-                )
+                raise AlreadyRun(f"site {self._site.name} is being run already, by {holder}; stop that one first")
             where = str(self._site.path) if self._site.path is not None else self._site.name
             for path, name in self._by_file(".lock", self._commanded).items():
-                holder = stack.enter_context(_locked(path, f"site {where} as camera {name!r}, process {me}"))
+                holder = _entered(stack, path, f"site {where} as camera {name!r}, {me}", faults)
                 if holder is not None:
                     camera = next(one for one in self._site.cameras if one.name == name)
                     raise AlreadyRun(
                         f"camera {name!r} ({camera.url}, channel {camera.channel}) is commanded already, by "
                         f"{holder}; stop that one first"
                     )
-            yield
+            yield faults
 
     @contextmanager
     def heeding(self) -> Iterator[None]:
-        """While it goes on, `heeded` says so of the site's cameras: for whoever asks for `held` again and again."""
+        """While it goes on, `heeded` says so of the site's cameras: for whoever asks for `held` again and again.
+
+        Where that cannot be said they are heeded all the same.
+        """
         with ExitStack() as stack:
             for path in self._by_file(".heeded", self._files):
-                fcntl.flock(stack.enter_context(path.open("a")), fcntl.LOCK_SH)
+                with suppress(OSError):
+                    stack.enter_context(shared(path))
             yield
 
     def heeded(self, camera: str) -> bool:
         """Whether somebody is there, with this site file or another, who leaves the camera alone if it is held."""
-        for path in self._by_file(".heeded", [camera]):
-            with suppress(FileNotFoundError), path.open("r") as mark:
-                if not _lock(mark):
-                    return True
-        return False
+        return any(is_locked(path) for path in self._by_file(".heeded", [camera]))
 
     def held(self) -> frozenset[str]:
         """Cameras of the site that people hold, by whatever site file; where that cannot be read, as it was before."""
@@ -126,14 +129,14 @@ class WatchState:
         ValueError
             For a camera that is not at the site.
         OSError
-            If that cannot be kept.
+            If that cannot be kept, not even by an empty file.
         """
         if camera not in self._files:
             raise ValueError(f"site {self._site.name} has no camera {camera!r} (there are: {', '.join(self._files)})")
         mine = list(self._by_file(".held", [camera]))
         if hold:
             for path in mine:
-                replaced(path, json.dumps([one.name for one in mine]))
+                _kept(path, json.dumps([one.name for one in mine]))
             return
         for path in mine:
             others = _names_in(path)
@@ -144,6 +147,17 @@ class WatchState:
     def memories(self) -> dict[str, KeptMemory]:
         """Of the cameras that have an address, by name: who was moved by somebody."""
         return {name: KeptMemory(list(self._by_file(".moved", [name]))) for name in self._commanded}
+
+    def _make_folders(self) -> str:
+        """Why they are not there, if the disk is to blame."""
+        try:
+            for folder in self._folders:
+                folder.mkdir(parents=True, exist_ok=True)
+        except OSError as problem:
+            if not disk_fails(problem):
+                raise
+            return said(problem)
+        return ""
 
     def _by_file(self, suffix: str, cameras: Iterable[str]) -> dict[Path, str]:
         """Every file that is about some cameras, and one that it is about."""
@@ -179,26 +193,21 @@ def _names_in(path: Path) -> list[str]:
     return [name for name in names if isinstance(name, str) and name == Path(name).name and name.endswith(".held")]
 
 
-@contextmanager
-def _locked(path: Path, told: str) -> Iterator[str | None]:
-    """Lock a file and write into it who did; or what stands in it, if it is locked already."""
-    with path.open("a+", encoding="utf-8") as lock:
-        if not _lock(lock):
-            lock.seek(0)
-            yield lock.read().strip() or "unknown"
-            return
-        lock.truncate(0)
-        lock.write(told)
-        lock.flush()
-        try:
-            yield None
-        finally:
-            lock.truncate(0)
-
-
-def _lock(file: IO[str]) -> bool:
+def _kept(path: Path, text: str) -> None:
+    """A file with a text; without room for that an empty one."""
     try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        replaced(path, text)
     except OSError:
-        return False
-    return True
+        if not _is_there(path):
+            path.touch()
+
+
+def _entered(stack: ExitStack, path: Path, told: str, faults: list[str]) -> str | None:
+    """Who has locked a file before; locked by us for the length of a stack, if nobody has and that can be done."""
+    try:
+        return stack.enter_context(locked(path, told))
+    except OSError as problem:
+        if isinstance(problem, PermissionError) and _is_there(path):
+            raise
+        faults.append(said(problem))
+        return None

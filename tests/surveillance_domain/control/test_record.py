@@ -178,7 +178,7 @@ def test_a_file_that_may_grow_no_further_loses_nothing(tmp_path: Path, monkeypat
 def test_how_a_run_ended_is_told_even_on_a_full_disk(
     more: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Wherever a step is torn; at most one more goes, to make room."""
+    """Wherever a step is torn; at most one more goes, to make room, and is counted."""
     Disk(monkeypatch, 1500 + more, each_file=False)
     record, lost = RecordWriter(tmp_path, HEADER, 7.0), 0
     for number in range(1, 21):
@@ -189,10 +189,41 @@ def test_how_a_run_ended_is_told_even_on_a_full_disk(
     record.end({"how": "steps", "because": "all 20 steps done", "steps": 20, "unrecorded": lost})
     lines = list(read_record(tmp_path))
     assert lines[-1]["kind"] == "end"
-    assert lines[-1]["unrecorded"] == lost > 0
-    assert steps(tmp_path) == list(range(1, 1 + len(steps(tmp_path))))
-    assert 20 - lost - 1 <= len(steps(tmp_path)) <= 20 - lost
+    assert 0 < lost <= lines[-1]["unrecorded"] == lost + record.taken_off <= lost + 1
+    assert steps(tmp_path) == list(range(1, 21 - lines[-1]["unrecorded"]))
     assert len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.example
+def test_on_a_disk_that_is_full_from_the_start_the_record_begins_when_there_is_room(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    disk = Disk(monkeypatch, 100, each_file=False)
+    record = RecordWriter(tmp_path / "record", HEADER, 7.0)
+    with pytest.raises(OSError, match="no room"):
+        record.write({"step": 1})
+    assert not list((tmp_path / "record").iterdir())
+    disk._room = 10_000
+    record.write({"step": 2})
+    record.end({"how": "steps", "because": "", "steps": 2, "unrecorded": 1})
+    header, step, end = read_record(tmp_path / "record")
+    assert (header["part"], step["step"], end["unrecorded"]) == (0, 2, 1)
+
+
+@pytest.mark.example
+def test_what_never_began_ends_with_the_reason(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    Disk(monkeypatch, 100, each_file=False)
+    record = RecordWriter(tmp_path, HEADER, 7.0)
+    with pytest.raises(OSError, match="no room"):
+        record.end({"how": "steps", "because": "", "steps": 0, "unrecorded": 0})
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.example
+def test_a_folder_that_is_none_is_no_matter_of_the_disk(tmp_path: Path) -> None:
+    (tmp_path / "record").write_text("")
+    with pytest.raises(FileExistsError):
+        RecordWriter(tmp_path / "record", HEADER, 7.0)
 
 
 @pytest.mark.example

@@ -79,6 +79,7 @@ def compare(
     refuse_twice("SITE", sites)
     with input_checked():
         found = {site: check_setup(Setup(site, 1, **changed), names) for site in sites}
+    refuse_twice("SITE", [str(site.path.resolve()) for site in found.values() if site.path is not None])
     labels = [site.name for site in found.values()]
     if len(set(labels)) < len(labels):
         raise InputError(f"two different site files have the same name: {', '.join(labels)}; rename one")

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["comparison_content", "comparison_panels", "comparison_tables", "write_comparison"]
 
+_LEAST, _MOST = 0.0, 100.0
+"""Of a share; a difference of two lies between minus the most and the most."""
+
 Names = Mapping[str, str]
 """Sites as given to sites by name."""
 
@@ -40,24 +43,24 @@ def comparison_content(
         "detection_probability": plan.setups[0].detection_probability,
         "cell_noise_m": plan.setups[0].cell_noise_m,
         "rows": [
-            {**_record(row, names, 0.0, 100.0), "per_run": list(row.estimate.samples), "restarts": row.restarts}
+            {**_record(row, names, _LEAST), "per_run": list(row.estimate.samples), "restarts": row.restarts}
             for row in rows(plan, outcome.runs)
         ],
-        "differences": [_record(row, names) for row in differences(plan, outcome.runs)],
+        "differences": [_record(row, names, -_MOST) for row in differences(plan, outcome.runs)],
         "interrupted": outcome.interrupted,
         **carried,
         "provenance": carried,
     }
 
 
-def _record(row: Row, names: Names, least: float = -math.inf, most: float = math.inf) -> dict[str, Any]:
+def _record(row: Row, names: Names, least: float) -> dict[str, Any]:
     found = row.estimate
     return {
         "site": names[row.setup.site],
         "controller": row.controller,
         "targets": row.setup.targets,
         "mean": finite(found.mean),
-        "ci95": found.ends(least, most),
+        "ci95": found.ends(least, _MOST),
         "runs": len(found.samples),
     }
 
@@ -105,8 +108,8 @@ def comparison_panels(found: Sequence[Row], names: Names) -> list[Panel]:
                     ALL_NAMES[controller],
                     tuple(row.setup.targets for row in of),
                     tuple(row.estimate.mean for row in of),
-                    tuple(row.estimate.low for row in of),
-                    tuple(row.estimate.high for row in of),
+                    tuple(_end(row, 0) for row in of),
+                    tuple(_end(row, 1) for row in of),
                 )
                 for controller, of in controllers.items()
             ),
@@ -115,9 +118,14 @@ def comparison_panels(found: Sequence[Row], names: Names) -> list[Panel]:
     ]
 
 
+def _end(row: Row, which: int) -> float:
+    found = row.estimate.ends(_LEAST, _MOST)[which]
+    return math.nan if found is None else found
+
+
 def write_comparison(out: Path, plan: Plan, outcome: Outcome, names: Names, content: Mapping[str, Any]) -> None:
     """``comparison.png``, ``.svg`` and ``.csv``, ``differences.csv``, ``result.json``, ``provenance.json``."""
-    from surveillance_domain.experiments.comparison import differences, rows
+    from surveillance_domain.experiments.comparison import rows
     from surveillance_domain.pictures.comparison import draw_comparison
     from surveillance_domain.pictures.style import save_figure
 
@@ -131,8 +139,8 @@ def write_comparison(out: Path, plan: Plan, outcome: Outcome, names: Names, cont
             )
             figure = draw_comparison(comparison_panels(found, names), f"Targets observed, {plan.truth} truth", note)
             save_figure(figure, folder / "comparison.png")
-        _write_csv(folder / "comparison.csv", plan, [_record(row, names) for row in found])
-        _write_csv(folder / "differences.csv", plan, [_record(row, names) for row in differences(plan, outcome.runs)])
+        _write_csv(folder / "comparison.csv", plan, content["rows"])
+        _write_csv(folder / "differences.csv", plan, content["differences"])
         write_json(folder / "result.json", content)
         write_json(folder / PROVENANCE, content["provenance"])
 

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from surveillance_domain.experiments.replay import Replay
     from surveillance_domain.experiments.runs import Run
     from surveillance_domain.site.site import Site
-    from surveillance_domain.trajectories.staging import Stage
+    from surveillance_domain.trajectories.staging import Stage, Staged
 
 __all__ = ["replay"]
 
@@ -144,12 +144,10 @@ def replay(
         raise typer.Exit(INTERRUPTED)
 
 
-def _misplaced(stage: Stage) -> Iterator[str]:
+def _misplaced(stage: Staged) -> Iterator[str]:
     """That most of a recording lies where nobody can be watched."""
-    import numpy as np
-
     lost = stage.off_map + stage.in_walls
-    total = lost + int(np.isfinite(stage.path_m[..., 0]).sum())
+    total = lost + stage.positions
     if 2 * lost > total:
         told = f"{stage.off_map:,} of {total:,} positions fall off the map and {stage.in_walls:,} into walls"
         yield f"{told}, where nobody is watched; are --offset-m and --rotate-deg right?"

@@ -1,7 +1,8 @@
 """A recording placed into a site: one common clock, one frame, and who is on the map when.
 
 The scene is rotated about its own origin, then moved. A point off the map is *outside*; one in a wall is put to the
-nearest free place if that is less than a cell away, and is outside otherwise; both are counted.
+nearest free place if that is less than a cell away, and is outside otherwise; both are counted. Only the people of a
+piece are laid out step by step, so that a long recording takes no more room than its points.
 """
 
 from __future__ import annotations
@@ -9,17 +10,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from surveillance_domain.site.grid import Grid
-from surveillance_domain.trajectories.resampling import resampled
+from surveillance_domain.trajectories.resampling import MOST_STEPS, resampled
 from surveillance_domain.trajectories.tracks import Track
 
-__all__ = ["Placement", "Stage", "nobody_on_map", "on_free_cells", "staged", "windows"]
+__all__ = ["Part", "Placement", "Stage", "Staged", "nobody_on_map", "on_free_cells", "staged", "windows"]
 
 _WITHIN_CELLS = 1e-6
+_MOST_TIMES = 2**53
 
 
 @dataclass(frozen=True)
@@ -46,7 +49,7 @@ class Placement:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """Who is where, step by step.
+    """A piece of a recording: who is where, step by step.
 
     Attributes
     ----------
@@ -55,52 +58,99 @@ class Stage:
     path_m : (times, people, 2) float
         x and y in metres in the site's frame; nan while a person is outside. Always on a free cell.
     step_s : float
-    off_map, in_walls, moved_out_of_walls : int
-        Points that fell off the map; that lay in walls and count as outside; that were put beside the wall.
     """
 
     people: tuple[str, ...]
     path_m: Float[np.ndarray, "times people 2"]
     step_s: float
+
+
+class Part(NamedTuple):
+    """Where one person is at successive steps from ``first`` on; nan while outside."""
+
+    person: str
+    first: int
+    path_m: Float[np.ndarray, "steps 2"]
+
+
+@dataclass(frozen=True, eq=False)
+class Staged:
+    """A whole recording in a site.
+
+    Attributes
+    ----------
+    people : tuple of str
+        All of the recording, in order of their tracks; so they stand in every piece, too.
+    parts : tuple of Part
+    times : int
+        How many there are, from the first of the recording on.
+    step_s : float
+    off_map, in_walls, moved_out_of_walls : int
+        Points that fell off the map; that lay in walls and count as outside; that were put beside the wall.
+    """
+
+    people: tuple[str, ...]
+    parts: tuple[Part, ...]
+    times: int
+    step_s: float
     off_map: int = 0
     in_walls: int = 0
     moved_out_of_walls: int = 0
 
+    @property
+    def positions(self) -> int:
+        """How many points are on the map."""
+        return sum(int(np.isfinite(part.path_m[:, 0]).sum()) for part in self.parts)
+
     def window(self, start: int, steps: int) -> Stage:
         """A piece of ``steps`` steps from time ``start``, with only those who are on the map after one of its steps."""
-        path = self.path_m[start : start + steps + 1]
+        end = min(start + steps + 1, self.times)
+        met = [part for part in self.parts if part.first < end and part.first + len(part.path_m) > start]
+        concerned = {part.person for part in met}
+        column = {name: number for number, name in enumerate(one for one in self.people if one in concerned)}
+        path = np.full((max(end - start, 0), len(column), 2), np.nan)
+        for part in met:
+            begin = max(part.first, start)
+            piece = part.path_m[begin - part.first : end - part.first]
+            path[begin - start : begin - start + len(piece), column[part.person]] = piece
         there = np.isfinite(path[1:, :, 0]).any(axis=0)
-        names = tuple(name for name, is_there in zip(self.people, there, strict=True) if is_there)
+        names = tuple(name for name, is_there in zip(column, there, strict=True) if is_there)
         return Stage(names, path[:, there], self.step_s)
 
 
-def staged(tracks: Sequence[Track], grid: Grid, placement: Placement, step_s: float) -> Stage:
+def staged(tracks: Sequence[Track], grid: Grid, placement: Placement, step_s: float) -> Staged:
     """Place tracks into a map and sample them all at the same times, from the first of the recording on.
 
     Raises
     ------
     ValueError
-        If nobody ever is on the map, saying where people are instead.
+        If nobody ever is on the map, saying where people are instead; or if the recording spans more steps than can be
+        counted, or one track of it more than can be laid out.
     """
     origin = min(float(track.times_s[0]) for track in tracks)
     end = max(float(track.times_s[-1]) for track in tracks)
-    names = tuple(dict.fromkeys(track.name for track in tracks))
-    column = {name: number for number, name in enumerate(names)}
-    path = np.full((math.floor((end - origin) / step_s + 1e-9) + 1, len(names), 2), np.nan)
+    if not (end - origin) / step_s < _MOST_TIMES:
+        raise ValueError(f"the recording goes from {origin:g} to {end:g} s; expected times in seconds")
+    first: list[int] = []
+    names: list[str] = []
+    paths: list[np.ndarray] = []
     for track in tracks:
         stepped = resampled(track, step_s, origin)
         if stepped is not None:
-            first = round((float(stepped.times_s[0]) - origin) / step_s)
-            path[first : first + len(stepped.times_s), column[track.name]] = placement.placed(stepped.points_m)
-    known = np.isfinite(path[..., 0])
-    points = path[known]
-    placed, off_map, in_walls, moved = on_free_cells(points, grid)
-    path[known] = placed
-    there = np.isfinite(path[..., 0]).any(axis=0)
-    if not there.any():
+            first.append(round((float(stepped.times_s[0]) - origin) / step_s))
+            names.append(track.name)
+            paths.append(placement.placed(stepped.points_m))
+    points = np.concatenate([np.empty((0, 2)), *paths])
+    if len(points) > MOST_STEPS:
+        raise ValueError(f"{len(points):,} positions at steps of {step_s:g} s; at most {MOST_STEPS:,} are laid out")
+    made, off_map, in_walls, moved = on_free_cells(points, grid)
+    if not np.isfinite(made).any():
         raise nobody_on_map(points, grid)
-    people = tuple(name for name, is_there in zip(names, there, strict=True) if is_there)
-    return Stage(people, path[:, there], step_s, off_map, in_walls, moved)
+    pieces = np.split(made, np.cumsum([len(path) for path in paths])[:-1])
+    parts = tuple(Part(*part) for part in zip(names, first, pieces, strict=True))
+    people = tuple(dict.fromkeys(track.name for track in tracks))
+    times = math.floor((end - origin) / step_s + 1e-9) + 1
+    return Staged(people, parts, times, step_s, off_map, in_walls, moved)
 
 
 def nobody_on_map(points: Float[np.ndarray, "points 2"], grid: Grid) -> ValueError:
@@ -134,19 +184,17 @@ def on_free_cells(
     return made, int(off.sum()), len(blocked) - moved, moved
 
 
-def windows(stage: Stage, steps: int, most: int | None = None, start: int = 0) -> tuple[list[Stage], int]:
+def windows(stage: Staged, steps: int, most: int | None = None, start: int = 0) -> tuple[list[Stage], int]:
     """Pieces of ``steps`` steps, one after the other from time ``start`` on, and how many were empty.
 
     Where the recording is shorter than one piece, it is the only one. Pieces in which nobody is on the map are left
-    out, and do not count among the ``most``.
+    out, and do not count among the ``most``; only the others are laid out.
     """
-    made: list[Stage] = []
-    empty = 0
-    last = max(len(stage.path_m) - 1 - steps, start)
-    for begin in range(start, last + 1, steps):
-        piece = stage.window(begin, steps)
-        if len(piece.path_m) < 2 or not piece.people:
-            empty += 1
-        elif most is None or len(made) < most:
-            made.append(piece)
-    return made, empty
+    start = min(start, stage.times)
+    count = max(stage.times - 1 - steps - start, 0) // steps + 1
+    found: set[int] = set()
+    for part in stage.parts:
+        after = part.first + np.flatnonzero(np.isfinite(part.path_m[:, 0])) - start - 1
+        found.update(np.unique(after[after >= 0] // steps).tolist())
+    occupied = sorted(number for number in found if number < count)
+    return [stage.window(start + number * steps, steps) for number in occupied[:most]], count - len(occupied)

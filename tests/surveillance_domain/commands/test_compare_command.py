@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+BUILTIN = Path(__file__).parents[3] / "surveillance_domain" / "site" / "builtin"
 SMALL = (
     "compare",
     "tiny",
@@ -56,7 +57,37 @@ def test_rows_differences_and_files(surveillance: Callable[..., Any], tmp_path: 
     with (tmp_path / "comparison.csv").open(newline="") as file:
         lines = list(csv.DictReader(file))
     assert [float(line["mean"]) for line in lines] == pytest.approx([row["mean"] for row in found["rows"]], abs=1e-3)
+    ends = [[float(line["low"]), float(line["high"])] for line in lines]
+    assert ends == [pytest.approx(row["ci95"], abs=1e-3) for row in found["rows"]]
     assert json.loads((tmp_path / "result.json").read_text()) == found
+
+
+@pytest.mark.end_to_end
+def test_no_interval_goes_beyond_what_a_share_can_be(surveillance: Callable[..., Any], tmp_path: Path) -> None:
+    few = ("--targets", "1", "--controllers", "pomdp,stat", "--steps", 2, "--runs", 2, "--workers", 1)
+    found = surveillance("compare", "tiny", *few, "--out", tmp_path, "--json").json
+    told = {"comparison.csv": (found["rows"], 0.0), "differences.csv": (found["differences"], -100.0)}
+    cut = 0
+    for name, (rows, least) in told.items():
+        with (tmp_path / name).open(newline="") as file:
+            lines = list(csv.DictReader(file))
+        for line, row in zip(lines, rows, strict=True):
+            assert [float(line["low"]), float(line["high"])] == pytest.approx(row["ci95"], abs=1e-3)
+            assert least <= row["ci95"][0] <= row["ci95"][1] <= 100
+            cut += row["ci95"][0] == least or row["ci95"][1] == 100
+    assert cut > 0
+
+
+@pytest.mark.end_to_end
+def test_one_file_by_two_paths_is_one_site(surveillance: Callable[..., Any], tmp_path: Path) -> None:
+    here = tmp_path / "room.toml"
+    here.write_text((BUILTIN / "tiny.toml").read_text())
+    link = tmp_path / "link.toml"
+    link.symlink_to(here)
+    (tmp_path / "other").mkdir()
+    for other in (tmp_path / "other" / ".." / "room.toml", link):
+        answer = surveillance("compare", here, other, "--targets", "1", "--runs", 1)
+        assert (answer.code, answer.err) == (2, f"SITE: {here.resolve()} stands there twice\n")
 
 
 @pytest.mark.end_to_end

@@ -17,6 +17,7 @@ from surveillance_domain.commands.recorded import lines_of, model_of
 if TYPE_CHECKING:
     from surveillance_domain.control.replaying import Refilter
     from surveillance_domain.model.build import Surveillance
+    from surveillance_domain.model.elsewhere import Elsewhere
     from surveillance_domain.pictures.scene import Frame
 
 __all__ = ["replay_run"]
@@ -34,6 +35,7 @@ def replay_run(
 ) -> None:
     """Show the last run of a record again: a line a step, and an animation with the belief as it was."""
     from surveillance_domain.control.replaying import Refilter
+    from surveillance_domain.model.elsewhere import Elsewhere
 
     if out is not None and out.suffix.lower() != ".gif":
         raise InputError(f"--out {out}: expected the name of a .gif file")
@@ -41,7 +43,7 @@ def replay_run(
         raise InputError(f"--first {first} --last {last}: expected a first step up to the last")
     header = _last_header(record)
     surveillance = model_of(header)
-    refilter = Refilter(surveillance)
+    refilter, elsewhere = Refilter(surveillance), Elsewhere(surveillance.site)
     shares = _Share()
     frames: deque[Frame] = deque(maxlen=_MOST_FRAMES)
     shown = 0
@@ -57,7 +59,7 @@ def replay_run(
             answer({}, [_line(step, shares)], as_json=False)
             time.sleep(pace)
         if out is not None:
-            frames.append(_frame(step, surveillance, refilter, shares))
+            frames.append(_frame(step, surveillance, refilter, shares, elsewhere))
     if not shown:
         raise InputError(f"{record}: no step {first}" + (f" to {last}" if last is not None else " or later"))
     if out is not None:
@@ -108,15 +110,20 @@ def _seen(step: Mapping[str, Any]) -> int:
 
 
 def _line(step: Mapping[str, Any], shares: _Share) -> str:
-    views = ", ".join(f"{camera} {view or '—'}" for camera, view in step["views"].items())
+    places = {
+        camera: f"pan {pan:.0f}°, tilt {tilt:.0f}°" for camera, (pan, tilt, _) in step.get("elsewhere", {}).items()
+    }
+    views = ", ".join(f"{camera} {view or places.get(camera, '—')}" for camera, view in step["views"].items())
     seen, beyond = {**step["observations"], **step["unknown"]}, step.get("beyond", {})
     mark = {target: f" (beyond the view of {camera})" for target, camera in beyond.items()}
-    places = ", ".join(f"{t} {cell[0]},{cell[1]}{mark.get(t, '')}" for t, cell in seen.items() if cell is not None)
+    where = ", ".join(f"{t} {cell[0]},{cell[1]}{mark.get(t, '')}" for t, cell in seen.items() if cell is not None)
     percent = "" if shares.percent is None else f"  {shares.percent:.1f} %"
-    return f"{step['step']:>6}  {step['time_s']:9.1f} s{percent}  {views}  |  {places or 'nobody seen'}"
+    return f"{step['step']:>6}  {step['time_s']:9.1f} s{percent}  {views}  |  {where or 'nobody seen'}"
 
 
-def _frame(step: Mapping[str, Any], surveillance: Surveillance, refilter: Refilter, shares: _Share) -> Frame:
+def _frame(
+    step: Mapping[str, Any], surveillance: Surveillance, refilter: Refilter, shares: _Share, elsewhere: Elsewhere
+) -> Frame:
     import numpy as np
 
     from surveillance_domain.pictures.scene import Frame
@@ -136,7 +143,10 @@ def _frame(step: Mapping[str, Any], surveillance: Surveillance, refilter: Refilt
     for target in refilter.targets:
         expected += refilter.belief.marginal(f"{target}.location")[: grid.size]
     percent = math.nan if shares.percent is None else shares.percent
-    return Frame(step["step"], positions, observed, presets, expected, percent)
+    places = {number: refilter.elsewhere.get(camera.name) for number, camera in enumerate(cameras)}
+    fields = {n: elsewhere.detection(cameras[n].name, place) for n, place in places.items() if place is not None}
+    seen_there = {number: field > 0 for number, field in fields.items() if field is not None}
+    return Frame(step["step"], positions, observed, presets, expected, percent, seen_there)
 
 
 def _names(surveillance: Surveillance, there: int) -> list[str]:

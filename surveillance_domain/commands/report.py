@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,6 +14,7 @@ from surveillance_domain.commands.recorded import lines_of, model_of
 if TYPE_CHECKING:
     from surveillance_domain.control.morning import Morning
     from surveillance_domain.model.build import Surveillance
+    from surveillance_domain.model.elsewhere import Place
 
 __all__ = ["report"]
 
@@ -62,6 +64,7 @@ def _summed_up(record: Path, surveillance: Surveillance | None) -> Morning:
 
     from surveillance_domain.control.morning import Morning
     from surveillance_domain.control.record import is_being_written
+    from surveillance_domain.model.elsewhere import Elsewhere
 
     if surveillance is None:
         morning = Morning()
@@ -69,12 +72,18 @@ def _summed_up(record: Path, surveillance: Surveillance | None) -> Morning:
         cameras, views = surveillance.site.cameras, surveillance.views
         names = [[preset.name for preset in camera.presets] for camera in cameras]
 
-        @lru_cache(maxsize=4096)
-        def share(looks: tuple[str | None, ...]) -> float:
-            numbers = [None if look is None else own.index(look) for look, own in zip(looks, names, strict=True)]
-            return float((views.seen(numbers) > 0).mean())
+        elsewhere = Elsewhere(surveillance.site)
 
-        morning = Morning(lambda looks: share(tuple(looks[camera.name] for camera in cameras)))
+        @lru_cache(maxsize=4096)
+        def share(looks: tuple[str | None, ...], places: tuple[tuple[str, Place], ...]) -> float:
+            numbers = [None if look is None else own.index(look) for look, own in zip(looks, names, strict=True)]
+            return float(((views.seen(numbers) > 0) | (elsewhere.missed(dict(places)) < 1)).mean())
+
+        def coverage(step: Mapping[str, Any]) -> float:
+            looks = tuple(step["views"][camera.name] for camera in cameras)
+            return share(looks, tuple((name, (p[0], p[1], p[2])) for name, p in step.get("elsewhere", {}).items()))
+
+        morning = Morning(coverage)
     for line in lines_of(record):
         morning.take(line)
     morning.end(running=is_being_written(record), whole=record.is_dir())
@@ -100,6 +109,7 @@ def _why(record: Path, morning: Morning, surveillance: Surveillance | None, trou
                 for choice, value in refilter.values()
             ]
             chosen = {name: line["sent"][name] for name in (valued[0][0] if valued else {})}
+            apart = line["sent"].keys() - chosen.keys()
             ranked = sorted(valued, key=lambda one: -one[1])
             return {
                 "step": step,
@@ -107,7 +117,10 @@ def _why(record: Path, morning: Morning, surveillance: Surveillance | None, trou
                 "sent": line["sent"],
                 "value": line["value"],
                 "method": line["method"],
-                "left_out": sorted(line["sent"].keys() - chosen.keys()),
+                "left_out": sorted(apart - refilter.elsewhere.keys()),
+                "elsewhere": {
+                    name: list(refilter.elsewhere[name]) for name in sorted(apart & refilter.elsewhere.keys())
+                },
                 "recomputed_value": next((value for choice, value in valued if choice == chosen), None),
                 "exact": taken == step - 1,
                 "alternatives": [{"presets": choice, "value": value} for choice, value in ranked if choice != chosen][

@@ -149,11 +149,14 @@ def _why_tables(why: Mapping[str, Any]) -> list[Table]:
     def value(number: float | None) -> str:
         return "—" if number is None else f"{number:.4f}"
 
+    turned = ", ".join(f"{name} pan {p[0]:.0f}°, tilt {p[1]:.0f}°" for name, p in why["elsewhere"].items())
+    chosen = {camera: preset for camera, preset in why["sent"].items() if camera not in why["elsewhere"]}
     facts = [
-        ("chosen", presets(why["sent"])),
+        ("chosen", presets(chosen)),
         ("expected number of targets seen", f"{value(why['value'])} ({why['method']})"),
         ("recomputed from the record", value(why["recomputed_value"])),
         ("cameras left out, being away", ", ".join(why["left_out"]) or "none"),
+        *([("cameras counted where people have turned them", turned)] if turned else []),
         (
             "what was seen",
             ", ".join(_place(t, c, why["beyond"]) for t, c in why["observations"].items() if c) or "nobody",

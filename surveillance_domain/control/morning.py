@@ -12,6 +12,7 @@ from surveillance_domain.cameras.base import HealthState, Outcome
 from surveillance_domain.cameras.errors import LoginRefused, NotThereInTime, StandsStill
 from surveillance_domain.cameras.mending import mend_of
 from surveillance_domain.control.continuity import Continuity
+from surveillance_domain.world.camera_report import PRIVATE
 from surveillance_domain.world.yielding import HELD, MOVED
 
 __all__ = ["Morning", "Series", "Spell"]
@@ -98,7 +99,7 @@ class Morning:
         Detections that were not used; sightings beyond the views of the model.
     """
 
-    def __init__(self, coverage: Callable[[Mapping[str, str | None]], float] | None = None) -> None:
+    def __init__(self, coverage: Callable[[Mapping[str, Any]], float] | None = None) -> None:
         self._coverage = coverage
         self.continuity = Continuity()
         self.outages: list[Spell] = []
@@ -184,7 +185,7 @@ class Morning:
         series.seen.append(seen)
         series.expected.append(unknown if step["value"] is None else step["value"])
         series.present.append(unknown if there is None else len(there))
-        series.coverage.append(unknown if self._coverage is None else self._coverage(step["views"]))
+        series.coverage.append(unknown if self._coverage is None else self._coverage(step))
 
 
 def _cause(camera: Mapping[str, Any], held: bool) -> tuple[str, str]:
@@ -197,6 +198,8 @@ def _cause(camera: Mapping[str, Any], held: bool) -> tuple[str, str]:
     if fault:
         locked_out = camera["state"] == HealthState.LOCKED_OUT
         return because or outcome, mend_of(LoginRefused.__name__ if locked_out else fault)
+    if because == PRIVATE:
+        return because, "turn it to where its picture shows no [[privacy]] polygon"
     if camera["position"] is not None:
         pan, tilt, _ = camera["position"]
         return f"{_ASTRAY}: pan {pan:g}, tilt {tilt:g}", _ASTRAY_MEND

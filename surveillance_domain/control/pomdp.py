@@ -95,11 +95,12 @@ class PomdpController:
         self.restarted, self.held, self.elsewhere = (), sighting.held, dict(sighting.elsewhere)
         seen = {**sighting.observations, **(sighting.unknown if self.roster is not None else {})}
         cells = {target: seen.get(target) for target in self.targets}
-        beyond = {target: cell for target, cell in cells.items() if cell is not None and target in sighting.beyond}
+        by = {**sighting.beyond, **sighting.through}
+        beyond = {target: cell for target, cell in cells.items() if cell is not None and target in by}
         observed = {f"{t}.sighting": UNSEEN if c is None else c for t, c in cells.items() if t not in beyond}
         known: dict[str, Value] = {f"{name}.preset": view for name, view in sighting.views.items()}
         predicted = self.belief.predict(self._chooser.moves)
-        weighed, impossible = self._beyond.weighed(predicted, beyond, sighting.beyond)
+        weighed, impossible = self._beyond.weighed(predicted, beyond, by)
         known |= {f"{target}.location": cell for target, cell in impossible.items()}
         if self.missed is not None:
             unseen = [target for target, cell in cells.items() if cell is None]

@@ -15,6 +15,7 @@ from surveillance_domain.control.choosing import PresetChooser
 from surveillance_domain.control.pomdp import PomdpController
 from surveillance_domain.control.roster import OpenRoster
 from surveillance_domain.model.build import Surveillance
+from surveillance_domain.model.elsewhere import Place
 from surveillance_domain.world.base import Cell, Sighting
 
 __all__ = ["Refilter", "sighting_of"]
@@ -31,6 +32,7 @@ def sighting_of(entry: Mapping[str, Any]) -> Sighting:
         without_identity=int(entry["without_identity"]),
         out_of_view=int(entry["out_of_view"]),
         beyond=dict(entry.get("beyond", {})),  # older records have none, nor the next
+        through=dict(entry.get("through", {})),
         elsewhere={name: (place[0], place[1], place[2]) for name, place in entry.get("elsewhere", {}).items()},
     )
 
@@ -57,6 +59,11 @@ class Refilter:
     def targets(self) -> tuple[str, ...]:
         """Those that there were then."""
         return self._controller.targets
+
+    @property
+    def elsewhere(self) -> Mapping[str, Place]:
+        """Where those cameras looked then that were at no preset of their own."""
+        return self._controller.elsewhere
 
     def values(self) -> Valued:
         """What each choice for the next step was worth, by P's reckoning; cameras that were away left out."""

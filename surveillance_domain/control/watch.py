@@ -115,6 +115,8 @@ class Watch:
             "beyond": dict(step.sighting.beyond),
             "views": dict(step.sighting.views),
             "elsewhere": {name: list(place) for name, place in step.sighting.elsewhere.items()},
+            "through": dict(step.sighting.through),
+            "private": sorted(step.sighting.private),
             "held": sorted(step.sighting.held),
             "cameras": {name: _told(report) for name, report in self.world.reports.items()},
             "decision_ms": round(step.decision_ms, 4),

@@ -49,7 +49,9 @@ def snapshot_of(
     """
     summary = watch.summary()
     told = {camera["name"]: camera for camera in summary["cameras"]}
-    pictures = _pictures(surveillance, sights or {}, step.number)
+    listened, open_floor = step.sighting.looking, not surveillance.site.privacy
+    shown = {name: sight for name, sight in (sights or {}).items() if open_floor or name in listened}
+    pictures = _pictures(surveillance, shown, step.number)
     targets, belief = _belief(surveillance, watch.controller)
     found = {**step.sighting.observations, **step.sighting.unknown}
     return Snapshot(
@@ -87,6 +89,7 @@ def _camera(
         because=report.because or (f"step {at}: {last}" if last else ""),
         picture=picture,
         place=sighting.elsewhere.get(camera.name),
+        private=camera.name in sighting.private,
     )
 
 

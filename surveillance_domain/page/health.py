@@ -80,6 +80,8 @@ def holder(state: str) -> str:
 
 def _place(camera: CameraSnapshot) -> str | None:
     """Where a camera looks that looks at no preset of its own."""
+    if camera.private:
+        return "a private area"
     if camera.place is None:
         return None
     pan, tilt, _ = camera.place

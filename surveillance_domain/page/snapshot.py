@@ -72,6 +72,8 @@ class CameraSnapshot:
         Of this step.
     place : (float, float, float) or None
         Pan and tilt in degrees, and zoom, where it looked at no preset of its own and was listened to all the same.
+    private : bool
+        Whether it looks into a private area, and is therefore neither listened to nor shown.
     """
 
     name: str
@@ -82,6 +84,7 @@ class CameraSnapshot:
     because: str
     picture: PictureSnapshot | None
     place: tuple[float, float, float] | None = None
+    private: bool = False
 
     @property
     def has_view(self) -> bool:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -49,6 +50,8 @@ class Frame:
         Expected number of targets in each free cell, after the sighting; ``None`` for controllers without a belief.
     percent_obs : float
         So far; nan while there were no targets.
+    elsewhere : dict
+        By a camera's number the free cells that it saw, if it looked at no preset of its own.
     """
 
     number: int
@@ -57,6 +60,12 @@ class Frame:
     presets: tuple[int | None, ...]
     expected: Float[np.ndarray, " cells"] | None
     percent_obs: float
+    elsewhere: Mapping[int, Bool[np.ndarray, " cells"]] = field(default_factory=dict)
+
+    def seen(self, views: Views, camera: int) -> Bool[np.ndarray, " cells"] | None:
+        """Free cells that a camera had in view, by its number; ``None``: it had no view."""
+        preset = self.presets[camera]
+        return self.elsewhere.get(camera) if preset is None else views.detection[camera][preset] > 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,10 +92,11 @@ class Scene:
         """Set everything to a frame."""
         grid = self.site.grid
         self.floor.set_data(_ground(self.site, self.views, frame))
-        for lines, camera, preset in zip(self.outlines, self.views.detection, frame.presets, strict=True):
+        for number, lines in enumerate(self.outlines):
             member = np.zeros(grid.free.shape, dtype=bool)
-            if preset is not None:
-                member[grid.free] = camera[preset] > 0
+            seen = frame.seen(self.views, number)
+            if seen is not None:
+                member[grid.free] = seen
             lines.set_segments(list(outline_m(grid, member)))
         present = np.isfinite(frame.positions_m).all(axis=1)
         observed = frame.observed[present]
@@ -146,9 +156,9 @@ def _ground(site: Site, views: Views, frame: Frame) -> Float[np.ndarray, "rows c
     grid = site.grid
     expected = np.zeros(grid.size) if frame.expected is None else frame.expected
     colours = _heat_colours()(_scale()(expected))[:, :3]
-    for index, (camera, preset) in enumerate(zip(views.detection, frame.presets, strict=True)):
-        if preset is not None:
-            seen = camera[preset] > 0
+    for index in range(len(frame.presets)):
+        seen = frame.seen(views, index)
+        if seen is not None:
             colours[seen] = (1 - _TINT) * colours[seen] + _TINT * np.array(to_rgb(_colour(index)))
     ground = np.empty((*grid.free.shape, 3))
     ground[:] = to_rgb(WALL)

@@ -38,7 +38,11 @@ class Sighting:
         camera: pictures show more than the views of the model.
     elsewhere : dict
         For cameras that looked, still, but at no preset of their own, because people have turned them: pan and tilt in
-        degrees, and zoom. Whom they see is seen beyond the views of the model.
+        degrees, and zoom.
+    through : dict
+        Who was seen by such a camera only, unknown ones included, and by which.
+    private : frozenset of str
+        Cameras that look into a private area, at no preset of their own: what they show is neither used nor shown.
     """
 
     observations: Mapping[str, Cell | None]
@@ -51,6 +55,8 @@ class Sighting:
     out_of_view: int = 0
     beyond: Mapping[str, str] = field(default_factory=dict)
     elsewhere: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    through: Mapping[str, str] = field(default_factory=dict)
+    private: frozenset[str] = frozenset()
 
     @property
     def looking(self) -> frozenset[str]:

@@ -8,7 +8,10 @@ from surveillance_domain.cameras.base import Health, Move, Outcome, Position
 from surveillance_domain.cameras.errors import CameraAway, CameraError, without_name
 from surveillance_domain.cameras.witness import MOVED
 
-__all__ = ["CameraReport"]
+__all__ = ["PRIVATE", "CameraReport"]
+
+PRIVATE = "it looks into a private area, so that it is not listened to"
+"""Why a camera that answers has no view."""
 
 
 @dataclass

@@ -28,7 +28,7 @@ from surveillance_domain.site.camera import Preset
 from surveillance_domain.site.site import Site
 from surveillance_domain.vision.ground import zoom_at
 from surveillance_domain.world.base import Sighting
-from surveillance_domain.world.camera_report import CameraReport
+from surveillance_domain.world.camera_report import PRIVATE, CameraReport
 from surveillance_domain.world.eyes import Eyes, Look
 from surveillance_domain.world.memory import Memory
 from surveillance_domain.world.parking import Parked, sent_home
@@ -216,8 +216,9 @@ class NetworkWorld:
         for name, node in self._nodes.items():
             node.found(looks.get(name))
         views = {name: node.view(looks.get(name)) for name, node in self._nodes.items()}
-        elsewhere = self._elsewhere(looks)
+        elsewhere, private = self._elsewhere(looks)
         found = self._eyes.seen(looks, views, elsewhere)
+        apart = {_called(one): camera for one, camera in found.beyond.items()}
         return Sighting(
             found.observations,
             views,
@@ -226,8 +227,10 @@ class NetworkWorld:
             unknown={_called(one): cell for one, cell in found.unknown.items()},
             without_identity=found.without_identity,
             out_of_view=found.out_of_view,
-            beyond={_called(one): camera for one, camera in found.beyond.items()},
+            beyond={one: camera for one, camera in apart.items() if camera not in elsewhere},
             elsewhere=elsewhere,
+            through={one: camera for one, camera in apart.items() if camera in elsewhere},
+            private=private,
         )
 
     def park(self) -> dict[str, Parked]:
@@ -250,14 +253,20 @@ class NetworkWorld:
         for node in self._nodes.values():
             node.camera.close()
 
-    def _elsewhere(self, looks: Mapping[str, Look]) -> dict[str, Place]:
-        """Where cameras look that stand still at no preset of theirs, unless they look into a private area."""
-        places = {name: node.place(looks.get(name)) for name, node in self._nodes.items()}
-        return {
-            name: place
-            for name, place in places.items()
-            if place is not None and self._views_elsewhere.detection(name, place) is not None
-        }
+    def _elsewhere(self, looks: Mapping[str, Look]) -> tuple[dict[str, Place], frozenset[str]]:
+        """Where cameras look that see floor from no preset of theirs, and which look into a private area."""
+        elsewhere, private = {}, set[str]()
+        for name, node in self._nodes.items():
+            place = node.place(looks.get(name))
+            if place is None:
+                continue
+            detection = self._views_elsewhere.detection(name, place)
+            if detection is None:
+                private.add(name)
+                node.report.because = node.report.because or PRIVATE
+            elif detection.any():
+                elsewhere[name] = place
+        return elsewhere, frozenset(private)
 
     def _taken(self) -> dict[str, str]:
         return taken({name: node.yielding for name, node in self._nodes.items()}, self._held())

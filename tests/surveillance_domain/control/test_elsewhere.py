@@ -69,13 +69,13 @@ def test_belief_and_choice_are_those_with_a_preset_there(pan: float, probability
     for step in range(4):
         views: dict[str, str | None] = {camera.name: None for camera in others}
         seen: dict[str, Any] = dict.fromkeys(oracle.targets)
-        beyond = {}
+        through = {}
         possible = np.flatnonzero((there > 0) & (mass(theirs, "target1") > 0))
         if len(possible) and rng.random() < 0.5:
             column, row = site.grid.cells[rng.choice(possible)].tolist()
-            seen["target1"], beyond["target1"] = (column, row), first
+            seen["target1"], through["target1"] = (column, row), first
         time_s, held = float(step), frozenset([first])
-        ours.see(Sighting(seen, {first: None, **views}, time_s, held=held, beyond=beyond, elsewhere={first: place}))
+        ours.see(Sighting(seen, {first: None, **views}, time_s, held=held, through=through, elsewhere={first: place}))
         theirs.see(Sighting(seen, {first: THERE, **views}, time_s, held=held))
         for target in oracle.targets:
             name = f"{target}.location"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import islice
 from typing import Any
 
@@ -15,6 +16,7 @@ from surveillance_domain.cameras.base import HealthState, Outcome
 from surveillance_domain.cameras.errors import CameraError
 from surveillance_domain.emulation.site import EmulatedSite
 from surveillance_domain.model.reachability import longest_move_s
+from surveillance_domain.site.sections import PrivateArea
 from surveillance_domain.world.base import World
 from surveillance_domain.world.network import look_budget_s
 from tests.emulated_watch import Emulated, emulated_watch, lego
@@ -164,6 +166,29 @@ def test_somebody_at_the_joystick_is_left_alone_and_their_view_counts() -> None:
             sighting = running.world.observe()
         assert sighting.views == MIDDLE
         assert sighting.held == frozenset()
+
+
+@pytest.mark.end_to_end
+def test_a_camera_turned_to_the_ceiling_or_to_what_is_private_has_no_view() -> None:
+    with emulated_watch(lego(yield_s=6.0), 1, 1) as running:
+        running.world.move(ALL)
+        running.world.observe()
+        running.emulation.cameras["south"].motors.command({"pan": "5", "tilt": "30"})
+        running.clock.sleep(2.0)
+        sighting = running.world.observe()
+        assert (dict(sighting.elsewhere), sighting.private) == ({}, frozenset())
+        assert "south" not in sighting.looking
+    site = lego(yield_s=6.0)
+    area = PrivateArea(polygon_m=((2.6, 0.0), (3.0, 0.0), (3.0, 0.9), (2.6, 0.9)))
+    south = site.cameras[0].model_copy(update={"presets": site.cameras[0].presets[1:2]})
+    with emulated_watch(replace(site, cameras=(south,), privacy=(area,)), 1, 1) as running:
+        running.world.move({"south": "middle"})
+        running.world.observe()
+        running.emulation.cameras["south"].motors.command({"pan": "40", "tilt": "-30"})
+        running.clock.sleep(2.0)
+        sighting = running.world.observe()
+        assert (dict(sighting.elsewhere), sighting.private, sighting.looking) == ({}, {"south"}, frozenset())
+        assert sighting.observations == {"red": None}
 
 
 @pytest.mark.end_to_end

@@ -73,6 +73,10 @@ def run(
     with ExitStack() as stack:
         stop = stack.enter_context(stop_when_asked())  # before anything that takes long
 
+        from surveillance_domain.commands.compiled_loops import kept_if_possible
+
+        stack.enter_context(kept_if_possible())
+
         from surveillance_domain.commands.live_page import live_page, page_request
         from surveillance_domain.commands.network import network_of
         from surveillance_domain.commands.run_record import closed_record, missing_steps, summed_up, telling_of

@@ -13,6 +13,7 @@ from surveillance_domain.cameras.clock import Clock
 from surveillance_domain.cameras.errors import CameraError
 from surveillance_domain.cameras.witness import MOVED
 from surveillance_domain.site.camera import Camera as CameraDescription
+from surveillance_domain.site.camera import Preset
 from surveillance_domain.site.site import Site
 from surveillance_domain.world.memory import Memory, Stood, still_for_s
 from surveillance_domain.world.yielding import HELD, watching
@@ -48,7 +49,7 @@ def parked(
     """Send every camera home that nobody holds or turns, or turned in the last ``yield_s``.
 
     A camera that still turns may do so by the last command of a run that was killed; so it is given its
-    ``move_deadline_s`` to come to rest.
+    ``move_deadline_s`` to come to rest. If that is at none of its presets, no run has sent it there.
 
     Parameters
     ----------
@@ -89,7 +90,7 @@ def _park(
 
 def sent_home(camera: Camera, description: CameraDescription) -> Parked:
     """Send a camera to its ``home`` preset, if it has one and nobody else moves it, within its ``move_deadline_s``."""
-    homes = [Position(one.pan, one.tilt, one.zoom) for one in description.presets if one.name == description.home]
+    homes = [_position(one) for one in description.presets if one.name == description.home]
     if not homes:
         return Parked(True, "has no home preset")
     move = camera.move(homes[0], description.move_deadline_s)
@@ -106,13 +107,20 @@ def _in_hands(camera: Camera, description: CameraDescription, clock: Clock, memo
     still_s = still_for_s(memory, yield_s, description.tolerance_deg, here)
     if still_s is not None:
         return f"{MOVED} {still_s:.0f} s ago"
-    until = clock.now() + description.move_deadline_s
+    until, turned = clock.now() + description.move_deadline_s, False
     while True:
         clock.sleep(_STILL_S)
         now = camera.position(_BUDGET_S)
         if now.agrees(here, description.tolerance_deg):
-            return ""
+            if not turned or any(now.agrees(_position(one), description.tolerance_deg) for one in description.presets):
+                return ""
+            memory.keep(Stood(now, 0.0))
+            return f"{MOVED} just now"
         if clock.now() >= until:
             memory.keep(Stood(now, 0.0))
             return "somebody else turns it"
-        here = now
+        here, turned = now, True
+
+
+def _position(preset: Preset) -> Position:
+    return Position(preset.pan, preset.tilt, preset.zoom)

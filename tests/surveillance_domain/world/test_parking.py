@@ -23,6 +23,7 @@ from tests.direct_session import direct_session
 LEGO = load_site("lego")
 SITE = replace(LEGO, cameras=LEGO.cameras[:1])
 LEFT = Position(*next((one.pan, one.tilt, one.zoom) for one in SITE.cameras[0].presets if one.name == "left"))
+RIGHT = Position(*next((one.pan, one.tilt, one.zoom) for one in SITE.cameras[0].presets if one.name == "right"))
 HOME = 'at "middle"'
 
 
@@ -86,3 +87,24 @@ def test_who_is_moved_while_it_is_parked_is_remembered() -> None:
         emulation.cameras["south"].faults.pan_drift_deg_per_s = 0.0
         told = park(emulation, memory).told
     assert told == "left alone: moved by somebody else 0 s ago"
+
+
+@pytest.mark.end_to_end
+@pytest.mark.parametrize(
+    ("pan", "told"),
+    [(-75.0, "left alone: moved by somebody else just now"), (RIGHT.pan, HOME)],
+)
+def test_who_comes_to_rest_at_no_preset_was_turned_by_somebody(pan: float, told: str) -> None:
+    """A run that was killed can have sent it to presets only."""
+    memory = Noted()
+    with emulated() as emulation:
+        motors = emulation.cameras["south"].motors
+        motors.command({"pan": str(pan)})
+        emulation._clock.sleep(0.2)
+        before = motors.true()
+        assert park(emulation, memory) == Parked(True, told)
+        assert motors.true() != before
+        assert (memory.stood is None) == (told == HOME)
+        if memory.stood is not None:
+            assert memory.stood.position.pan == pytest.approx(pan, abs=0.5)
+            assert park(emulation, memory).told == "left alone: moved by somebody else 0 s ago"

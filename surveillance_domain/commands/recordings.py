@@ -97,14 +97,17 @@ def placement_of(offset_m: str, rotate_deg: float) -> Placement:
     Raises
     ------
     InputError
-        For an offset that is not two finite numbers, or an angle that is none.
+        For an offset that is not two finite numbers of metres, or an angle that is none.
     """
+    from surveillance_domain.trajectories.conventions import MOST_M
     from surveillance_domain.trajectories.rows import number_of
     from surveillance_domain.trajectories.staging import Placement
 
     numbers = [number for number in map(number_of, offset_m.split(",")) if number is not None]
     if len(numbers) != 2 or offset_m.count(",") != 1:
         raise InputError(f"--offset-m {offset_m}: expected two numbers, such as 3.5,-2")
+    if max(map(abs, numbers)) > MOST_M:
+        raise InputError(f"--offset-m {offset_m}: expected metres, of which no place is more than {MOST_M:g} away")
     if not math.isfinite(rotate_deg):
         raise InputError(f"--rotate-deg {rotate_deg:g}: expected a number of degrees, such as -90")
     return Placement((numbers[0], numbers[1]), rotate_deg)

@@ -48,8 +48,12 @@ if TYPE_CHECKING:
     from surveillance_domain.experiments.runs import Run
     from surveillance_domain.site.site import Site
     from surveillance_domain.trajectories.staging import Stage, Staged
+    from surveillance_domain.trajectories.tracks import Tracks
 
 __all__ = ["replay"]
+
+_COARSER = 1.01
+"""Of a step: a recording by a clock that is not quite even is not coarser for that."""
 
 
 def replay(
@@ -103,10 +107,10 @@ def replay(
     tracks = read_tracks(trajectories, given, max_gap_s, fastest_mps)
     with about([trajectories]):
         stage = staged(tracks.tracks, found.grid, placement, found.control.step_s)
-        pieces, empty = windows(stage, steps, runs, round(start_s / found.control.step_s))
+        pieces, empty = windows(stage, steps, runs, round(min(start_s / found.control.step_s, stage.times)))
     if not pieces:
         raise InputError(f"{trajectories}: nobody is on the map after --start-s {start_s:g}")
-    warnings = [*_misplaced(stage), *_without_doors(found)]
+    warnings = [*_coarse(tracks, found), *_scattered(tracks), *_misplaced(stage), *_without_doors(found)]
     for told in warnings:
         side_console().print(told, style="yellow", soft_wrap=True)
     if out is not None:
@@ -142,6 +146,25 @@ def replay(
     answer(content, _shown(content, out), as_json=as_json)
     if interrupted:
         raise typer.Exit(INTERRUPTED)
+
+
+def _coarse(tracks: Tracks, site: Site) -> Iterator[str]:
+    """That people of the recording walk along straight lines between its points, which no model foretells."""
+    step_s = site.control.step_s
+    if tracks.frame_s > step_s * _COARSER:
+        yield (
+            f"recorded every {tracks.frame_s:.3g} s, and the site has step_s = {step_s:g}: between the points people "
+            "go along straight lines, as nobody does; expected a recording no coarser than a step"
+        )
+
+
+def _scattered(tracks: Tracks) -> Iterator[str]:
+    """That hardly anything but emptiness lies between the first and the last of the recording."""
+    from surveillance_domain.trajectories.far_away import long_pause
+
+    pause = long_pause(tracks.tracks)
+    if pause is not None:
+        yield f"{pause}; these pieces of the recording are empty and left out: are all times right, and in one unit?"
 
 
 def _misplaced(stage: Staged) -> Iterator[str]:

@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 from surveillance_domain.site.faults import Fault
 from surveillance_domain.trajectories.conventions import Conventions, on_floor
 from surveillance_domain.trajectories.findings import Limits, findings
-from surveillance_domain.trajectories.horizon import beyond_horizon
+from surveillance_domain.trajectories.horizon import beyond_earth, beyond_horizon
 from surveillance_domain.trajectories.plausibility import finer_than_seconds, rate_wanted, speeds, warnings_of
 from surveillance_domain.trajectories.rasters import usual_step
 from surveillance_domain.trajectories.rows import Rows, TrajectoryError
@@ -30,8 +30,9 @@ def cleaned(rows: Rows, conventions: Conventions, limits: Limits, source: str) -
     Raises
     ------
     TrajectoryError
-        Without a rate of frames, without a track of two points, where points lie beyond the horizon of the homography,
-        where times are no seconds, or where most people move faster than anybody can.
+        Without a rate of frames, without a track of two points, where points lie beyond the horizon of the homography
+        or beyond all places, where times are hardly seconds and were not said to be, or where most people move faster
+        than anybody can.
     """
     rate = 1.0 if rows.timed else conventions.frames_per_s or rows.frames_per_s
     unordered = _unordered(rows)
@@ -43,12 +44,12 @@ def cleaned(rows: Rows, conventions: Conventions, limits: Limits, source: str) -
     if rate is None:
         raise TrajectoryError(source, (Fault("", "no rate of frames", rate_wanted(even, conventions, source)),))
     points = on_floor(rows.points, conventions)
-    impossible = beyond_horizon(rows, conventions) or finer_than_seconds(even, points, step, conventions)
+    impossible = beyond_horizon(rows, conventions) or beyond_earth(rows, points)
     if impossible is not None:
         raise TrajectoryError(source, (impossible,))
-    if not np.isfinite(points).all():
-        line = int(rows.lines[~np.isfinite(points).all(axis=1)].min())
-        raise TrajectoryError(source, (Fault(f"line {line}", "a point beyond all numbers", "metres on the floor"),))
+    finer = finer_than_seconds(even, points, step, conventions)
+    if finer is not None and "time_s" not in (conventions.columns or {}):
+        raise TrajectoryError(source, (finer.fault,))
     seconds = even.frames / rate
     kept, repeated, contradictory = _once_a_frame(rows, points)
     cut = _cut(rows.tracks[kept], seconds[kept], points[kept], step / rate, limits)
@@ -81,7 +82,8 @@ def cleaned(rows: Rows, conventions: Conventions, limits: Limits, source: str) -
         contradictory_people=len(rows.names) - len(np.unique(rows.tracks[kept])),
         **{kind: len(at) for kind, at in met.items()},
     )
-    return Tracks(tracks, step / rate, counts, warnings_of(even, rate, conventions, tracks), told)
+    doubts = () if finer is None else (finer.warning,)
+    return Tracks(tracks, step / rate, counts, (*doubts, *warnings_of(even, rate, conventions, tracks)), told)
 
 
 _UNITS = (

@@ -21,7 +21,20 @@ from surveillance_domain.site.faults import Fault
 from surveillance_domain.site.fields import FileName, Number, Positive, Section
 from surveillance_domain.trajectories.rows import TrajectoryError, number_of
 
-__all__ = ["Conventions", "on_floor", "read_homography", "sidecar_of", "with_sidecar"]
+__all__ = [
+    "MOST_M",
+    "Conventions",
+    "on_floor",
+    "read_homography",
+    "sidecar_of",
+    "third_coordinate",
+    "with_sidecar",
+]
+
+MOST_M = 1e12
+"""No place is farther away, in metres along an axis."""
+_ON_HORIZON = 1e-12
+"""Of the terms of the third homogeneous coordinate: a sum so small is noise."""
 
 _Row = tuple[Number, Number, Number]
 
@@ -125,7 +138,9 @@ def read_homography(path: Path) -> Float[np.ndarray, "3 3"]:
     try:
         words = path.read_text(encoding="utf-8").replace(",", " ").split()
     except (OSError, UnicodeDecodeError) as error:
-        raise TrajectoryError(str(path), (Fault("", str(error), "a text file of three rows of numbers"),)) from None
+        no_text = isinstance(error, UnicodeDecodeError)
+        found = "bytes that are no text" if no_text else (getattr(error, "strerror", None) or str(error)).lower()
+        raise TrajectoryError(str(path), (Fault("", found, "a text file of three rows of numbers"),)) from None
     numbers = [number for number in map(number_of, words) if number is not None]
     if len(words) != 9 or len(numbers) != 9:
         raise TrajectoryError(str(path), (Fault("", f"{len(words)} words", "three rows of three finite numbers"),))
@@ -133,7 +148,11 @@ def read_homography(path: Path) -> Float[np.ndarray, "3 3"]:
 
 
 def _checked(matrix: Float[np.ndarray, "3 3"], source: str) -> Float[np.ndarray, "3 3"]:
-    if abs(np.linalg.det(matrix / np.abs(matrix).max(initial=1e-300))) < 1e-15:
+    even = matrix
+    for axis in (0, 1):  # so that neither a factor of the whole matrix nor far-away origins make it look singular
+        most = np.abs(even).max(axis=axis, keepdims=True)
+        even = even / np.where(most > 0, most, 1.0)
+    if abs(np.linalg.det(even)) < 1e-15:
         raise TrajectoryError(source, (Fault("homography", "a singular matrix", "a matrix that can be inverted"),))
     return matrix
 
@@ -141,7 +160,20 @@ def _checked(matrix: Float[np.ndarray, "3 3"], source: str) -> Float[np.ndarray,
 def on_floor(points: Float[np.ndarray, "points 2"], conventions: Conventions) -> Float[np.ndarray, "points 2"]:
     """A file's points in metres; points on the horizon of a homography become nan."""
     if conventions.homography is not None:
-        x, y, w = conventions.homography @ np.column_stack([points, np.ones(len(points))]).T
-        scale = np.where(np.abs(w) < 1e-12, np.nan, w)
-        return np.stack([x / scale, y / scale], axis=1)
-    return points * (conventions.metres_per_unit or 1.0)
+        third = third_coordinate(points, conventions.homography)
+        scale = np.where(third == 0, np.nan, third)
+        with np.errstate(over="ignore", invalid="ignore"):  # points beyond all numbers are told of by whoever uses them
+            x, y = conventions.homography[:2] @ np.column_stack([points, np.ones(len(points))]).T
+            return np.stack([x / scale, y / scale], axis=1)
+    with np.errstate(over="ignore"):
+        return points * (conventions.metres_per_unit or 1.0)
+
+
+def third_coordinate(
+    points: Float[np.ndarray, "points 2"], matrix: Float[np.ndarray, "3 3"]
+) -> Float[np.ndarray, " points"]:
+    """The third homogeneous coordinate of what a homography makes of points; 0 on its horizon."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        terms = np.column_stack([points, np.ones(len(points))]) * matrix[2]
+        third = terms.sum(axis=1)
+        return np.where(np.abs(third) <= _ON_HORIZON * np.abs(terms).sum(axis=1), 0.0, third)

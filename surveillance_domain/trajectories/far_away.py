@@ -1,4 +1,4 @@
-"""People who are so far from all others that no prior over cells holds them: told by name, since one row does it."""
+"""People who are so far from all others, in space or in time, that something is wrong: told by name and line."""
 
 from __future__ import annotations
 
@@ -11,24 +11,25 @@ from jaxtyping import Float
 from surveillance_domain.trajectories.prior import MOST_CELLS, cells_over
 from surveillance_domain.trajectories.tracks import Track
 
-__all__ = ["refuse_far_people"]
+__all__ = ["long_pause", "refuse_far_people"]
 
 _FEW = 0.1
 _SHOWN = 5
+_PAUSE_S = 86_400.0
 _TOO_FEW = 2
 """Of two people nobody can say which is far away."""
 
 
 def refuse_far_people(tracks: Sequence[Track], cell_m: float) -> None:
-    """Refuse tracks that spread over too many cells by a few people alone.
+    """Refuse tracks that spread over too many cells.
 
     Those farthest from the median of where people are go first, until the others lie in few enough cells. Where that
-    takes more than a tenth of the people, people really spread, and nothing is said here.
+    takes more than a tenth of the people, people really spread, and larger cells are the first thing to be advised.
 
     Raises
     ------
     ValueError
-        Naming these people, and where each is farthest away.
+        Naming those farthest away, and where each is.
     """
     own: dict[str, list[Track]] = {}
     for track in tracks:
@@ -40,18 +41,45 @@ def refuse_far_people(tracks: Sequence[Track], cell_m: float) -> None:
     centre = np.median([np.median(one, axis=0) for one in points.values()], axis=0)
     farthest = {name: max(_farthest(track, centre) for track in parts) for name, parts in own.items()}
     falling = sorted(own, key=lambda name: farthest[name], reverse=True)
+
+    def shown(names: Sequence[str]) -> str:
+        return "; ".join(f"id {name}, {farthest[name]}" for name in names[:_SHOWN])
+
     most = max(1, int(_FEW * len(own))) if len(own) > _TOO_FEW else 0
     for count in range(1, most + 1):
         near = [corners[name] for name in falling[count:]]
         if _few_enough(near, cell_m):
             width, height = np.ptp(np.concatenate(near), axis=0).tolist()
-            shown = [f"id {name}, {farthest[name]}" for name in falling[:count][:_SHOWN]]
             more = f"; and {count - _SHOWN:,} more" if count > _SHOWN else ""
             raise ValueError(
                 f"{count:,} of {len(own):,} people {'is' if count == 1 else 'are'} far from all others, who keep "
-                f"within {width:,.6g} x {height:,.6g} m: {'; '.join(shown)}{more}; expected people of one place: take "
-                "the rows of those far away out, or mend their positions if these are in another unit"
+                f"within {width:,.6g} x {height:,.6g} m: {shown(falling[:count])}{more}; expected people of one place: "
+                "take the rows of those far away out, or mend their positions if these are in another unit"
             )
+    columns, rows = cells_over(np.concatenate(list(corners.values())), cell_m)
+    raise ValueError(
+        f"people spread over {columns:,} x {rows:,} cells of {cell_m:g} m; give a larger --cell-m, or take out who is "
+        f"far from the others; the farthest: {shown(falling)}"
+    )
+
+
+def long_pause(tracks: Sequence[Track]) -> str | None:
+    """The longest time without anybody, and who comes after it, where it is over a day and most of the recording."""
+    ordered = sorted(tracks, key=lambda track: float(track.times_s[0]))
+    begins = np.array([track.times_s[0] for track in ordered])
+    ends = np.maximum.accumulate([track.times_s[-1] for track in ordered])
+    pauses = begins[1:] - ends[:-1]
+    if not pauses.size or pauses.max() <= max(_PAUSE_S, (ends[-1] - begins[0]) / 2):
+        return None
+    at = int(pauses.argmax()) + 1
+    after = ordered[at]
+    before = len({track.name for track in ordered[:at]})
+    line = "" if after.lines is None else f", on line {int(after.lines[0])}"
+    people = len({track.name for track in tracks})
+    return (
+        f"nobody is there for {pauses[at - 1]:,.6g} s, after {before:,} of {people:,} people; "
+        f"then comes id {after.name} at {begins[at]:.12g} s{line}"
+    )
 
 
 def _few_enough(corners: Iterable[Float[np.ndarray, "2 2"]], cell_m: float) -> bool:

@@ -1,16 +1,15 @@
-"""A homography whose horizon runs through the points: it cannot be the one from these points to the floor."""
+"""Points that cannot lie on the floor: on the horizon of a homography or beyond it, or farther than all places."""
 
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float
 
 from surveillance_domain.site.faults import Fault
-from surveillance_domain.trajectories.conventions import Conventions
+from surveillance_domain.trajectories.conventions import MOST_M, Conventions, third_coordinate
 from surveillance_domain.trajectories.rows import Rows
 
-__all__ = ["beyond_horizon"]
-
-_ON_IT = 1e-12
+__all__ = ["beyond_earth", "beyond_horizon"]
 
 
 def beyond_horizon(rows: Rows, conventions: Conventions) -> Fault | None:
@@ -20,8 +19,7 @@ def beyond_horizon(rows: Rows, conventions: Conventions) -> Fault | None:
     """
     if conventions.homography is None:
         return None
-    third = np.column_stack([rows.points, np.ones(len(rows.points))]) @ conventions.homography[2]
-    side = np.where(np.abs(third) < _ON_IT, 0.0, np.sign(third))
+    side = np.sign(third_coordinate(rows.points, conventions.homography))
     usual = 1.0 if (side > 0).sum() >= (side < 0).sum() else -1.0
     beyond = side != usual
     if not beyond.any():
@@ -33,3 +31,14 @@ def beyond_horizon(rows: Rows, conventions: Conventions) -> Fault | None:
         "the matrix from the points of this file to metres on the floor (is it another recording's, or the inverse?); "
         "where it is, no rows of points that cannot lie on the floor",
     )
+
+
+def beyond_earth(rows: Rows, points: Float[np.ndarray, "rows 2"]) -> Fault | None:
+    """The first point, in metres, that is too far away to be reckoned with; ``None`` where there is none."""
+    beyond = np.flatnonzero(~(np.abs(points) <= MOST_M).all(axis=1))
+    if not beyond.size:
+        return None
+    at = beyond[rows.lines[beyond].argmin()]
+    x, y = points[at].tolist()
+    who = f"id {rows.names[rows.tracks[at]]} at ({x:.6g}, {y:.6g}) m"
+    return Fault(f"line {rows.lines[at]}", who, "metres on the floor")

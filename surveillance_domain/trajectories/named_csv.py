@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import chain
+from itertools import chain, pairwise
 
 from surveillance_domain.site.faults import Fault
 from surveillance_domain.trajectories.rows import (
@@ -84,7 +84,12 @@ class _Table:
             if not words:
                 continue
             if len(words) != len(header):
-                builder.fault(line, f"{len(words)} columns", f"{len(header)}, as the header has")
+                halves = any(word.strip().isdigit() and more.isdigit() for word, more in pairwise(words))
+                comma = (
+                    self._delimiter == "," and len(words) > len(header) and halves and not any("." in w for w in words)
+                )
+                expected = f"{len(header)}, as the header has{WITH_POINTS if comma else ''}"
+                builder.fault(line, f"{len(words)} columns", expected)
                 continue
             values = [number_of(words[places[name]]) for name in used]
             track = words[places["id"]].strip()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -12,7 +14,7 @@ from surveillance_domain.trajectories.conventions import Conventions, sidecar_of
 from surveillance_domain.trajectories.rows import Rows
 from surveillance_domain.trajectories.tracks import Track
 
-__all__ = ["finer_than_seconds", "rate_wanted", "speeds", "warnings_of"]
+__all__ = ["Finer", "finer_than_seconds", "rate_wanted", "speeds", "warnings_of"]
 
 _WALKING_MPS = (0.4, 2.2)
 _MOVING_MPS = 0.3
@@ -28,10 +30,43 @@ def speeds(rows: Rows, points: Float[np.ndarray, "rows 2"], rate: float) -> Floa
     return np.hypot(*np.diff(points, axis=0)[moves].T) / passed[moves]
 
 
+class Finer(NamedTuple):
+    """Times that are hardly seconds.
+
+    Attributes
+    ----------
+    column : str
+    found : str
+        What they look like.
+    remedy : str
+        How they are read as that.
+    if_not : str
+        How they are read as seconds.
+    """
+
+    column: str
+    found: str
+    remedy: str
+    if_not: str
+
+    @property
+    def fault(self) -> Fault:
+        """Where nobody has said that they are seconds."""
+        return Fault(self.column, self.found, f"seconds; {self.remedy}; if these are seconds, {self.if_not} says so")
+
+    @property
+    def warning(self) -> str:
+        """Where it was said."""
+        return f"{self.column}: {self.found}; taken as seconds, since --columns or the sidecar says so; {self.remedy}"
+
+
 def finer_than_seconds(
     rows: Rows, points: Float[np.ndarray, "rows 2"], step_s: float, conventions: Conventions
-) -> Fault | None:
-    """Times that can be no seconds, but milliseconds or finer, at which people walk; rows in order.
+) -> Finer | None:
+    """Times that are hardly seconds, but milliseconds or finer, at which people walk; rows in order.
+
+    People who sit and are seen once a minute look the same; so where a file's column of seconds was named, it is
+    believed.
 
     Parameters
     ----------
@@ -48,15 +83,19 @@ def finer_than_seconds(
     for unit, a_second in _FINER.items():
         walking = pace[pace * a_second > _MOVING_MPS] * a_second
         if walking.size and _WALKING_MPS[0] <= np.median(walking) <= _WALKING_MPS[1]:
-            said = dict(conventions.columns or {})
-            columns = {"frame": said.pop("time_s", "time_s"), **said}
-            told = ",".join(f"{name}={header}" for name, header in columns.items())
-            return Fault(
-                columns["frame"],
+            named = {key: header for key, header in (conventions.columns or {}).items() if key != "time_s"}
+            column = (conventions.columns or {}).get("time_s", "time_s")
+            return Finer(
+                column,
                 f"a point of one person every {step_s:g}, which would be a walk in {unit}",
-                f"seconds; {unit} are read with --columns {told} --frames-per-s {a_second:.0f}",
+                f"{unit} are read with --columns {_told({'frame': column, **named})} --frames-per-s {a_second:.0f}",
+                f"--columns {_told({'time_s': column, **named})}",
             )
     return None
+
+
+def _told(columns: Mapping[str, str]) -> str:
+    return ",".join(f"{name}={header}" for name, header in columns.items())
 
 
 def warnings_of(rows: Rows, rate: float, conventions: Conventions, tracks: tuple[Track, ...]) -> tuple[str, ...]:
@@ -78,7 +117,12 @@ def warnings_of(rows: Rows, rate: float, conventions: Conventions, tracks: tuple
         found.append(f"the file's own velocities speak of {told:.3g} frames a second; {rate:g} is used")
     paces = np.concatenate([np.hypot(*np.diff(t.points_m, axis=0).T) / np.diff(t.times_s) for t in tracks])
     moving = paces[paces > _MOVING_MPS]
-    if moving.size:
+    if not moving.size:
+        found.append(
+            f"nobody moves at more than {_MOVING_MPS:g} m/s, and at most at {float(paces.max()):.3g} m/s: "
+            f"are {'the times seconds' if rows.timed else 'frame rate'} and unit right?"
+        )
+    else:
         pace = float(np.median(moving))
         if not _WALKING_MPS[0] <= pace <= _WALKING_MPS[1]:
             found.append(f"people who move go {pace:.3g} m/s, which is not a walk: are frame rate and unit right?")

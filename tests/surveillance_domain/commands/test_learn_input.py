@@ -76,6 +76,32 @@ def test_people_are_counted_once(surveillance: Callable[..., Any], counted: Path
 
 
 @pytest.mark.end_to_end
+def test_people_told_in_rounded_numbers_are_warned_of(
+    surveillance: Callable[..., Any], counted: Path, timed: Path
+) -> None:
+    again = counted.with_name("again.txt")
+    rows = [f"{frame} {person} {x:.2f} {y:.2f}" for frame, person, x, y in walkers(0) if person > 3]
+    again.write_text("\n".join(rows))
+    found = surveillance(*words(counted, timed, again), "--json")
+    assert found.code == 0, found.err
+    twice, *_ = found.json["warnings"]
+    assert twice.startswith(f"{again}: 6 of its 6 people are within 10 cm of somebody in {counted} at the same times")
+    assert "id 4, 5, 6, 7, 8 and 1 more; they count twice" in twice
+    assert twice in found.err
+
+
+@pytest.mark.end_to_end
+def test_a_comma_for_the_point_is_told(surveillance: Callable[..., Any], timed: Path) -> None:
+    timed.write_text("time_s,id,x,y\n0,1,8,46,3,59\n")
+    answer = surveillance(*words(timed, more=()))
+    assert answer.code == 2
+    assert "found 6 columns; expected 4, as the header has; decimals stand behind a point: 8.46, not 8,46" in answer.err
+    timed.write_text("time_s,id,x,y\n0,1,8.46,3.59,late\n")
+    answer = surveillance(*words(timed, more=()))
+    assert answer.err.endswith("found 5 columns; expected 4, as the header has\n")
+
+
+@pytest.mark.end_to_end
 def test_one_person_far_away_is_named(surveillance: Callable[..., Any], counted: Path) -> None:
     counted.write_text(counted.read_text() + "".join(f"\n{frame} wild {1e9 + frame / 2} 7" for frame in range(5)))
     answer = surveillance(*words(counted))
@@ -96,12 +122,24 @@ def test_people_who_really_spread_are_told_of_cells(surveillance: Callable[..., 
 
 
 @pytest.mark.end_to_end
+def test_several_people_far_away_are_named(surveillance: Callable[..., Any], counted: Path) -> None:
+    wild = "".join(f"\n{f} wild{k} {1e9 * (k + 1) + f / 2} 7" for k in range(3) for f in range(5))
+    counted.write_text(counted.read_text() + wild)
+    answer = surveillance(*words(counted))
+    assert answer.code == 2
+    assert answer.err.startswith(f"{counted}: people spread over 3,000,000,0")
+    assert f"the farthest: id wild2 of {counted}, at (3e+09, 7) m on line 215; id wild1 of {counted}" in answer.err
+
+
+@pytest.mark.end_to_end
 def test_who_does_not_walk_is_told_with_the_file(surveillance: Callable[..., Any], tmp_path: Path) -> None:
     path = tmp_path / "still.txt"
     path.write_text("\n".join(f"{f} {p} {p} 0" for p in range(3) for f in range(9)))
     answer = surveillance(*words(path))
     assert answer.code == 2
-    assert answer.err.startswith(f"{path}: nobody walks two steps of 0.5 s on end")
+    still, none = answer.err.splitlines()
+    assert still.startswith(f"{path}: nobody moves at more than 0.3 m/s, and at most at 0 m/s")
+    assert none.startswith(f"{path}: nobody walks two steps of 0.5 s on end")
 
 
 @pytest.mark.end_to_end

@@ -114,12 +114,40 @@ def test_a_placement_that_loses_most_of_the_recording_is_warned_of(
 
 
 @pytest.mark.end_to_end
+def test_a_recording_coarser_than_the_steps_is_warned_of(
+    surveillance: Callable[..., Any], site: Path, people: Path
+) -> None:
+    given = [word for word in words(site, people, "--controller", "stat", "--frames-per-s", 0.5, "--max-gap-s", 3)]
+    found = surveillance(*given).json
+    (told,) = found["warnings"]
+    assert told.startswith("recorded every 2 s, and the site has step_s = 1: ")
+
+
+@pytest.mark.end_to_end
+def test_times_far_apart_are_warned_of_and_take_no_room(
+    surveillance: Callable[..., Any], site: Path, people: Path
+) -> None:
+    late = [f"{1_600_000_000 + second},c,-1.5,{second - 0.5}" for second in range(8)]
+    people.write_text("\n".join([people.read_text(), *late]))
+    answer = surveillance(*words(site, people, "--controller", "stat"))
+    assert answer.code == 0, answer.err
+    found = answer.json
+    assert (found["runs"], found["targets_per_run"]) == (2, [2, 1])
+    (told,) = found["warnings"]
+    assert told.startswith(
+        "nobody is there for 1.6e+09 s, after 2 of 3 people; then comes id c at 1600000000 s, on line 18; "
+    )
+
+
+@pytest.mark.end_to_end
 @pytest.mark.parametrize(
     ("more", "told"),
     [
         (("--offset-m", "100,0"), "nobody is ever on the map"),
         (("--offset-m", "1"), "--offset-m 1: expected two numbers"),
         (("--controller", "pomp"), "no controller 'pomp' (did you mean 'pomdp'?)"),
+        (("--offset-m", "1e308,0"), "--offset-m 1e308,0: expected metres, of which no place is more than 1e+12 away"),
+        (("--start-s", "1e300"), "nobody is on the map after --start-s 1e+300"),
         (("--start-s", 500), "nobody is on the map after --start-s 500"),
         (("--fastest-mps", 0), "expected 0 or more, and above 0"),
     ],

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from surveillance_domain.trajectories.conventions import Conventions
+from surveillance_domain.trajectories.cleaning import Limits
+from surveillance_domain.trajectories.conventions import Conventions, read_homography
 from surveillance_domain.trajectories.load import load_tracks
 from surveillance_domain.trajectories.rows import TrajectoryError
 from surveillance_domain.trajectories.transitions import transitions
@@ -50,16 +51,54 @@ def test_seconds_go_before_frames_unless_the_frames_were_named(tmp_path: Path) -
 def test_times_in_milliseconds_are_refused_with_the_way_to_read_them(
     tmp_path: Path, unit: str, a_second: int, start: int
 ) -> None:
-    path = recorded(tmp_path, lambda k: str(a_second * start + 4 * k * a_second // 10), "stamp")
+    def times(k: int) -> str:
+        return str(a_second * start + 4 * k * a_second // 10)
+
+    walk = f"a point of one person every {4 * a_second // 10:g}, which would be a walk in {unit}"
     with pytest.raises(TrajectoryError) as caught:
-        load_tracks(path, Conventions(columns={"time_s": "stamp", "id": "id"}))
-    assert f"stamp: found a point of one person every {4 * a_second // 10:g}, which would be a walk in {unit}" in str(
-        caught.value
-    )
-    assert f"--columns frame=stamp,id=id --frames-per-s {a_second}" in str(caught.value)
+        load_tracks(recorded(tmp_path, times))
+    assert f"time_s: found {walk}; expected seconds; {unit} are read with --columns frame=time_s" in str(caught.value)
+    assert f"--frames-per-s {a_second}; if these are seconds, --columns time_s=time_s says so" in str(caught.value)
+    path = recorded(tmp_path, times, "stamp")
+    doubted, still = load_tracks(path, Conventions(columns={"time_s": "stamp", "id": "id"})).warnings
+    assert doubted.startswith(f"stamp: {walk}; taken as seconds, since --columns or the sidecar says so")
+    assert f"--columns frame=stamp,id=id --frames-per-s {a_second}" in doubted
+    assert still.startswith("nobody moves at more than 0.3 m/s, and at most at ")
+    assert still.endswith("are the times seconds and unit right?")
     found = load_tracks(path, Conventions(float(a_second), columns={"frame": "stamp", "id": "id"}))
     assert found.frame_s == pytest.approx(0.4)
     assert found.warnings == ()
+
+
+@pytest.mark.example
+def test_people_who_sit_are_read_where_the_column_of_seconds_is_named(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    path = tmp_path / "sitting.csv"
+    rows = [(60 * k, p, *rng.normal(p, 0.05, 2)) for p in range(8) for k in range(40)]
+    path.write_text("time_s,id,x,y\n" + "\n".join(f"{t},{p},{x:.3f},{y:.3f}" for t, p, x, y in rows))
+    with pytest.raises(TrajectoryError, match="would be a walk in milliseconds"):
+        load_tracks(path, limits=Limits(gap_s=60.0))
+    found = load_tracks(path, Conventions(columns={"time_s": "time_s"}), Limits(gap_s=60.0))
+    assert (len(found.people), found.frame_s) == (8, 60)
+    assert [told.split(" ")[0] for told in found.warnings] == ["time_s:", "nobody"]
+
+
+@pytest.mark.example
+def test_a_clock_that_is_not_quite_even_leaves_no_gaps(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    path = tmp_path / "jitter.csv"
+
+    def written(kept: list[int]) -> Path:
+        rows = [(1.7e9 + 0.1 * k + rng.uniform(-0.01, 0.01), p, 0.12 * k) for p in range(8) for k in kept]
+        path.write_text("time_s,id,x,y\n" + "\n".join(f"{t:.6f},{p},{x:.3f},0" for t, p, x in rows))
+        return path
+
+    whole = load_tracks(written(list(range(180))))
+    assert whole.findings == ()
+    assert whole.frame_s == pytest.approx(0.1, rel=0.02)
+    holed = load_tracks(written([k for k in range(180) if k % 10]))
+    assert holed.counts.gaps_filled == 8 * 17
+    assert holed.frame_s == pytest.approx(0.1, rel=0.02)
 
 
 @pytest.mark.property
@@ -104,10 +143,38 @@ def test_a_horizon_among_the_points_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.example
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_matrix_may_have_either_sign(tmp_path: Path, sign: float) -> None:
+@pytest.mark.parametrize("sign", [1.0, -1.0, 1e-14, -1e200])
+def test_a_matrix_may_have_any_factor(tmp_path: Path, sign: float) -> None:
     path = tmp_path / "px.txt"
     path.write_text("\n".join(f"{k} 1 {100 + k} 50" for k in range(10)))
     matrix = sign * np.array([[0.01, 0, 0], [0, 0.01, 0], [0, 0, 1.0]])
-    (track,) = load_tracks(path, Conventions(1.0, homography=matrix)).tracks
+    (tmp_path / "H.txt").write_text("\n".join(" ".join(map(repr, row)) for row in matrix.tolist()))
+    given = Conventions(1.0, homography=read_homography(tmp_path / "H.txt"))
+    (track,) = load_tracks(path, given).tracks
     assert track.points_m[3].tolist() == pytest.approx([1.03, 0.5])
+
+
+@pytest.mark.example
+def test_a_matrix_to_an_origin_far_away_is_not_singular(tmp_path: Path) -> None:
+    (tmp_path / "H.txt").write_text("0.02 0 500000\n0 0.02 4600000\n0 0 1\n")
+    assert read_homography(tmp_path / "H.txt")[1, 2] == 4.6e6
+
+
+@pytest.mark.example
+def test_what_cannot_be_read_as_a_matrix_is_told_as_elsewhere(tmp_path: Path) -> None:
+    (tmp_path / "bytes").write_bytes(b"\xff\xfe\xfa")
+    told = {"nowhere.txt": "no such file or directory", "": "is a directory", "bytes": "bytes that are no text"}
+    for name, found in told.items():
+        with pytest.raises(TrajectoryError) as caught:
+            read_homography(tmp_path / name)
+        assert str(caught.value) == f"{tmp_path / name}: found {found}; expected a text file of three rows of numbers"
+
+
+@pytest.mark.example
+@pytest.mark.parametrize("x", ["1e300", "-2e12"])
+def test_a_place_beyond_all_places_is_named(tmp_path: Path, x: str) -> None:
+    path = tmp_path / "people.txt"
+    path.write_text("0 a 0 0\n1 a 1 0\n0 b 0 0\n1 b " + x + " 7\n")
+    with pytest.raises(TrajectoryError) as caught:
+        load_tracks(path, Conventions(1.0))
+    assert str(caught.value) == f"{path}: line 4: found id b at ({float(x):g}, 7) m; expected metres on the floor"

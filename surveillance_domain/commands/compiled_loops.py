@@ -22,7 +22,9 @@ def kept_if_possible() -> Iterator[None]:
     import numba
     from numba.core import caching
 
-    before, folder = caching.Cache.save_overload, numba.config.CACHE_DIR
+    writer: Any = caching.Cache
+    settings: Any = numba.config
+    before, folder = writer.save_overload, settings.CACHE_DIR
 
     def save(cache: Any, signature: Any, data: Any) -> None:
         with suppress(OSError):
@@ -31,12 +33,12 @@ def kept_if_possible() -> Iterator[None]:
     with ExitStack() as stack:
         if folder and not _may_be_written(folder):
             with suppress(OSError):
-                numba.config.CACHE_DIR = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
-        caching.Cache.save_overload = save
+                settings.CACHE_DIR = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
+        writer.save_overload = save
         try:
             yield
         finally:
-            caching.Cache.save_overload, numba.config.CACHE_DIR = before, folder
+            writer.save_overload, settings.CACHE_DIR = before, folder
 
 
 def _may_be_written(folder: str) -> bool:

@@ -33,7 +33,7 @@ def park(site: SiteName, as_json: AsJson = False) -> None:
         clock = RealClock()
         cameras = opened(found, clock, np.random.default_rng())
         try:
-            outcomes = parked(found, cameras, clock, state.held(), state.memories())
+            outcomes = parked(found, cameras, clock, state.held(), state.memories(), state.killed)
         finally:
             for camera in cameras:
                 camera.close()

@@ -1,7 +1,7 @@
 """Locks on files, which a process holds for as long as it lives.
 
 A lock needs no room on the disk; only who holds it does, which is written into the file where that is possible.
-Otherwise the kernel's own list, ``/proc/locks``, says who.
+Otherwise the kernel's own list, ``/proc/locks``, says who. A process that is killed leaves there what it wrote.
 """
 
 from __future__ import annotations
@@ -11,16 +11,32 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import NamedTuple
 
-__all__ = ["is_locked", "locked", "shared"]
+__all__ = ["Before", "is_locked", "locked", "shared"]
 
 _MOST_BYTES = 4096
 _KERNELS = Path("/proc/locks")
 
 
+class Before(NamedTuple):
+    """Who had locked a file before.
+
+    Attributes
+    ----------
+    holder : str
+        Who still has; empty: nobody, so that it is ours now.
+    killed : str
+        Who had it last, if they were killed.
+    """
+
+    holder: str
+    killed: str
+
+
 @contextmanager
-def locked(path: Path, told: str) -> Iterator[str | None]:
-    """Lock a file for oneself, and write into it who did; or who did before, if it is locked already.
+def locked(path: Path, told: str) -> Iterator[Before]:
+    """Lock a file for oneself, and write into it who did, unless it is locked already.
 
     Raises
     ------
@@ -30,13 +46,16 @@ def locked(path: Path, told: str) -> Iterator[str | None]:
     file = _opened(path)
     try:
         if not _lock(file, path, fcntl.LOCK_EX | fcntl.LOCK_NB):
-            yield _holder(file)
+            yield Before(_holder(file), "")
             return
+        killed = ""
         with suppress(OSError):
+            written = _written(file)
             os.ftruncate(file, 0)
+            killed = written
             os.pwrite(file, told.encode(), 0)
         try:
-            yield None
+            yield Before("", killed)
         finally:
             with suppress(OSError):
                 os.ftruncate(file, 0)
@@ -94,8 +113,11 @@ def _lock(file: int, path: Path, how: int) -> bool:
 
 
 def _holder(file: int) -> str:
-    written = os.pread(file, _MOST_BYTES, 0).decode(errors="replace").strip()
-    return written or _by_the_kernel(os.fstat(file)) or "an unknown process"
+    return _written(file) or _by_the_kernel(os.fstat(file)) or "an unknown process"
+
+
+def _written(file: int) -> str:
+    return os.pread(file, _MOST_BYTES, 0).decode(errors="replace").strip()
 
 
 def _by_the_kernel(status: os.stat_result) -> str:

@@ -22,7 +22,7 @@ from pathlib import Path
 
 from surveillance_domain.control.addresses import addresses
 from surveillance_domain.control.disk import disk_fails, said
-from surveillance_domain.control.file_lock import is_locked, locked, shared
+from surveillance_domain.control.file_lock import Before, is_locked, locked, shared
 from surveillance_domain.control.kept_memory import KeptMemory, replaced
 from surveillance_domain.site.site import Site
 
@@ -48,6 +48,8 @@ class WatchState:
         The site's.
     root : Path
         All that is kept is in there.
+    killed : frozenset of str
+        Cameras that were commanded last by somebody who was killed; known once they are locked.
 
     Raises
     ------
@@ -57,7 +59,7 @@ class WatchState:
 
     def __init__(self, site: Site, folder: Path | None = None) -> None:
         self._site = site
-        self._held = frozenset[str]()
+        self._held = self.killed = frozenset[str]()
         home = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state")
         where = str(site.path.resolve()) if site.path is not None else f"built-in {site.name}"
         self.folder = folder or home / "factored-pomdp" / f"{site.name}-{_digest(where, 12)}"
@@ -86,17 +88,20 @@ class WatchState:
         """
         me, faults = f"process {os.getpid()}", [self._unmade] if self._unmade else []
         with ExitStack() as stack:
-            holder = _entered(stack, self.folder / "lock", me, faults)
-            if holder is not None:
-                raise AlreadyRun(f"site {self._site.name} is being run already, by {holder}; stop that one first")
+            before = _entered(stack, self.folder / "lock", me, faults)
+            if before.holder:
+                raise AlreadyRun(
+                    f"site {self._site.name} is being run already, by {before.holder}; stop that one first"
+                )
             where = str(self._site.path) if self._site.path is not None else self._site.name
             for path, name in self._by_file(".lock", self._commanded).items():
-                holder = _entered(stack, path, f"site {where} as camera {name!r}, {me}", faults)
-                if holder is not None:
+                before = _entered(stack, path, f"site {where} as camera {name!r}, {me}", faults)
+                self.killed |= {name} if before.killed else set()
+                if before.holder:
                     camera = next(one for one in self._site.cameras if one.name == name)
                     raise AlreadyRun(
                         f"camera {name!r} ({camera.url}, channel {camera.channel}) is commanded already, by "
-                        f"{holder}; stop that one first"
+                        f"{before.holder}; stop that one first"
                     )
             yield faults
 
@@ -202,12 +207,12 @@ def _kept(path: Path, text: str) -> None:
             path.touch()
 
 
-def _entered(stack: ExitStack, path: Path, told: str, faults: list[str]) -> str | None:
-    """Who has locked a file before; locked by us for the length of a stack, if nobody has and that can be done."""
+def _entered(stack: ExitStack, path: Path, told: str, faults: list[str]) -> Before:
+    """Who had locked a file before; locked by us for the length of a stack, if nobody has and that can be done."""
     try:
         return stack.enter_context(locked(path, told))
     except OSError as problem:
         if isinstance(problem, PermissionError) and _is_there(path):
             raise
         faults.append(said(problem))
-        return None
+        return Before("", "")

@@ -45,6 +45,7 @@ def parked(
     clock: Clock,
     held: Collection[str],
     memories: Mapping[str, Memory] | None = None,
+    killed: Collection[str] = (),
 ) -> dict[str, Parked]:
     """Send every camera home that nobody holds or turns, or turned in the last ``yield_s``.
 
@@ -55,11 +56,14 @@ def parked(
     ----------
     memories : dict, optional
         Of the cameras, by name: who was moved by somebody before, and is now.
+    killed : collection of str
+        Cameras whose run was killed, and may not have seen any more that somebody moved them: those that stand at none
+        of their presets are left alone, too.
     """
     known = memories or {}
     yield_s = site.operation.yield_s
     tasks = [
-        partial(_park, camera, one, clock, held, known.get(one.name, Memory()), yield_s)
+        partial(_park, camera, one, clock, held, known.get(one.name, Memory()), yield_s, one.name in killed)
         for camera, one in zip(cameras, site.cameras, strict=True)
     ]
     with ThreadPoolExecutor(len(tasks)) as pool:
@@ -74,12 +78,13 @@ def _park(
     held: Collection[str],
     memory: Memory,
     yield_s: float,
+    killed: bool,
 ) -> Parked:
     if description.name in held:
         return Parked(True, f"left alone: {HELD}")
     try:
         if description.home is not None:
-            because = _in_hands(camera, description, clock, memory, yield_s)
+            because = _in_hands(camera, description, clock, memory, yield_s, killed)
             if because:
                 return Parked(True, f"left alone: {because}")
         camera.watched_by(watching(description, math.inf, memory))
@@ -101,25 +106,27 @@ def sent_home(camera: Camera, description: CameraDescription) -> Parked:
     return Parked(False, f"{move.outcome}: {move.because}")
 
 
-def _in_hands(camera: Camera, description: CameraDescription, clock: Clock, memory: Memory, yield_s: float) -> str:
+def _in_hands(
+    camera: Camera, description: CameraDescription, clock: Clock, memory: Memory, yield_s: float, killed: bool
+) -> str:
     """Why a camera is somebody's; empty if it is not."""
     here = camera.position(_BUDGET_S)
     still_s = still_for_s(memory, yield_s, description.tolerance_deg, here)
     if still_s is not None:
         return f"{MOVED} {still_s:.0f} s ago"
-    until, turned = clock.now() + description.move_deadline_s, False
+    until, suspect = clock.now() + description.move_deadline_s, killed
     while True:
         clock.sleep(_STILL_S)
         now = camera.position(_BUDGET_S)
         if now.agrees(here, description.tolerance_deg):
-            if not turned or any(now.agrees(_position(one), description.tolerance_deg) for one in description.presets):
+            if not suspect or any(now.agrees(_position(one), description.tolerance_deg) for one in description.presets):
                 return ""
             memory.keep(Stood(now, 0.0))
             return f"{MOVED} just now"
         if clock.now() >= until:
             memory.keep(Stood(now, 0.0))
             return "somebody else turns it"
-        here, turned = now, True
+        here, suspect = now, True
 
 
 def _position(preset: Preset) -> Position:

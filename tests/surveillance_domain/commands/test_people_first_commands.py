@@ -74,8 +74,12 @@ def test_after_a_kill_the_cameras_can_be_parked(surveillance: Callable[..., Any]
     assert parked.code == 0
     assert [(one["ok"], one["outcome"]) for one in parked.json["cameras"]] == [
         (True, "left alone: held"),
-        (True, 'at "middle"'),
+        (True, "left alone: moved by somebody else just now"),  # for no run has sent it to where it stands
     ]
+    (moved,) = Path(os.environ["XDG_STATE_HOME"]).rglob("*.moved")
+    then = json.loads(moved.read_text(encoding="utf-8"))
+    moved.write_text(json.dumps({**then, "still_since": then["still_since"] - 60.0}), encoding="utf-8")
+    assert surveillance("park", real.path, "--json").json["cameras"][1]["outcome"] == 'at "middle"'
     assert real.pans() == {"south-west": pytest.approx(25.0), "north-east": pytest.approx(0.0)}
     assert surveillance("hold", real.path, "south-west", "--release", "--json").json["held"] == []
     real.emulation.cameras["south-west"].faults.wrong_password = True

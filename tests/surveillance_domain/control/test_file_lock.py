@@ -23,10 +23,10 @@ def _full(*words: object) -> int:
 def test_who_holds_it_is_written_there_for_as_long_as_it_is_held(tmp_path: Path) -> None:
     path = tmp_path / "lock"
     with locked(path, "process 1") as before:
-        assert before is None
+        assert before == ("", "")
         assert path.read_text() == "process 1"
         assert is_locked(path)
-        with locked(path, "process 2") as holder:
+        with locked(path, "process 2") as (holder, _):
             assert holder == "process 1"
         assert path.read_text() == "process 1"
     assert path.read_text() == ""
@@ -53,14 +53,14 @@ def test_without_room_for_a_word_the_kernel_says_who(tmp_path: Path, monkeypatch
     device = f"{os.major(status.st_dev):02x}:{os.minor(status.st_dev):02x}"
     monkeypatch.setattr("surveillance_domain.control.file_lock._KERNELS", kernels)
     with locked(path, "process 1") as before:
-        assert before is None
+        assert before == ("", "")
         inode = path.stat().st_ino
-        with locked(path, "process 2") as holder:
+        with locked(path, "process 2") as (holder, _):
             assert holder == "an unknown process"
         kernels.write_text(
             f"1: POSIX ADVISORY WRITE 7 {device}:{inode} 0 EOF\n2: FLOCK ADVISORY WRITE 4892 {device}:{inode} 0 EOF\n"
         )
-        with locked(path, "process 2") as holder:
+        with locked(path, "process 2") as (holder, _):
             assert holder == "process 4892"
 
 
@@ -78,9 +78,9 @@ def test_a_file_that_is_there_can_be_locked_where_nothing_may_be_written(
     there.write_text("")
     monkeypatch.setattr(os, "open", read_only)
     with locked(there, "process 1") as before:
-        assert before is None
-        with locked(there, "process 2") as holder:
-            assert holder is not None
+        assert before == ("", "")
+        with locked(there, "process 2") as (holder, _):
+            assert holder
     with pytest.raises(OSError, match=r"Read-only file system: '\S+/missing'"), locked(missing, "process 1"):
         pass
 
@@ -97,10 +97,12 @@ def test_a_process_that_is_killed_leaves_it_free(tmp_path: Path) -> None:
     with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "held\n"
-        with locked(path, "process 1") as holder:
-            assert holder == f"process {process.pid}"
+        with locked(path, "process 1") as (holder, killed):
+            assert (holder, killed) == (f"process {process.pid}", "")
         process.kill()
         process.wait()
-        with locked(path, "process 1") as holder:
-            assert holder is None
+        with locked(path, "process 1") as (holder, killed):
+            assert (holder, killed) == ("", f"process {process.pid}")
             assert path.read_text() == "process 1"
+        with locked(path, "process 1") as before:
+            assert before == ("", "")

@@ -44,13 +44,15 @@ def emulated() -> Iterator[EmulatedSite]:
         yield emulation
 
 
-def park(emulation: EmulatedSite, memory: Memory) -> Parked:
+def park(emulation: EmulatedSite, memory: Memory, killed: bool = False) -> Parked:
     """The southern camera, which stands at its left preset unless it was turned."""
     (described,) = emulation.site.cameras
     session = direct_session(emulation.cameras["south"])
     camera = open_camera(described, emulation._clock, np.random.default_rng(1), session=session, password=PASSWORD)
     try:
-        return parked(emulation.site, [camera], emulation._clock, (), {"south": memory})["south"]
+        return parked(emulation.site, [camera], emulation._clock, (), {"south": memory}, {"south"} if killed else ())[
+            "south"
+        ]
     finally:
         camera.close()
 
@@ -108,3 +110,21 @@ def test_who_comes_to_rest_at_no_preset_was_turned_by_somebody(pan: float, told:
         if memory.stood is not None:
             assert memory.stood.position.pan == pytest.approx(pan, abs=0.5)
             assert park(emulation, memory).told == "left alone: moved by somebody else 0 s ago"
+
+
+@pytest.mark.end_to_end
+@pytest.mark.parametrize(
+    ("pan", "killed", "told"),
+    [
+        (-75.0, True, "left alone: moved by somebody else just now"),
+        (-75.0, False, HOME),  # nobody knows since when it stands there
+        (RIGHT.pan, True, HOME),
+    ],
+)
+def test_who_stands_at_no_preset_after_a_kill_is_left_alone(pan: float, killed: bool, told: str) -> None:
+    memory = Noted()
+    with emulated() as emulation:
+        emulation.cameras["south"].motors.command({"pan": str(pan)})
+        emulation._clock.sleep(5.0)
+        assert park(emulation, memory, killed) == Parked(True, told)
+        assert (memory.stood is None) == (told == HOME)

@@ -69,9 +69,13 @@ def told(path: Path, content: bytes) -> str:
         (FOUR.encode() + b"800;1;8,46;3,59\n", ("line 5: found 6 columns; expected 4 numbers", "behind a point")),
         (b"frame;id;x;y\n1;a;8,46;3,59\n", ("line 2: found x = '8,46', y = '3,59'", "behind a point")),
         (b"PK\x03\x04\xff\xff\x80", ("bytes that are no text", "unpack other archives first")),
-        (gzip.compress(FOUR.encode())[:-9], ("a broken .gz file",)),
-        (gzip.compress(FOUR.encode())[:-8] + b"12345678", ("a broken .gz file",)),
+        (gzip.compress(FOUR.encode(), mtime=0)[:-9], ("a broken .gz file",)),
+        (gzip.compress(FOUR.encode(), mtime=0)[:-8] + b"12345678", ("a broken .gz file",)),
         (b"\xff\xfe7\x00\x00\xd8", ("bytes that are no text",)),
+    ],
+    ids=[
+        *("comment at the head", "comment at the end", "commas", "commas, semicolons", "one such line", "with heads"),
+        *("another archive", "torn", "wrong length", "no text"),
     ],
 )
 def test_the_cause_is_told(tmp_path: Path, content: bytes, words: tuple[str, ...]) -> None:

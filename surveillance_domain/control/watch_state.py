@@ -140,6 +140,7 @@ class WatchState:
             raise ValueError(f"site {self._site.name} has no camera {camera!r} (there are: {', '.join(self._files)})")
         mine = list(self._by_file(".held", [camera]))
         if hold:
+            self._make_each()
             for path in mine:
                 _kept(path, json.dumps([one.name for one in mine]))
             return
@@ -153,11 +154,14 @@ class WatchState:
         """Of the cameras that have an address, by name: who was moved by somebody."""
         return {name: KeptMemory(list(self._by_file(".moved", [name]))) for name in self._commanded}
 
+    def _make_each(self) -> None:
+        for folder in self._folders:
+            folder.mkdir(parents=True, exist_ok=True)
+
     def _make_folders(self) -> str:
         """Why they are not there, if the disk is to blame."""
         try:
-            for folder in self._folders:
-                folder.mkdir(parents=True, exist_ok=True)
+            self._make_each()
         except OSError as problem:
             if not disk_fails(problem):
                 raise

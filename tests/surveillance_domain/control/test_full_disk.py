@@ -103,6 +103,8 @@ def test_what_cannot_be_locked_is_told_of_and_the_rest_is_locked(
     with pytest.raises(OSError, match=r"No space left on device: '\S+\.held'"):
         known.hold("south")
     assert known.held() == frozenset()
+    with pytest.raises(OSError, match=rf"No space left on device: '{tmp_path}/b'"):
+        new.hold("south")
 
 
 @pytest.mark.example

@@ -2,7 +2,7 @@
 PYTHON ?= python3
 WORKERS ?= 2
 BIN := .venv/bin
-PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal -p nbmake --nbmake $(wildcard notebooks) tests
+PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal --durations 15 -p nbmake --nbmake $(wildcard notebooks) tests
 EXTRAS := dev,docs,notebooks,vision,page,cluster,bench
 
 .DEFAULT_GOAL := help

@@ -69,6 +69,7 @@ def unlike(shown: str, found: str) -> str | None:
     return None if skipping or place == len(lines) else f"(nothing more, but there was: {lines[place]})"
 
 
+@pytest.mark.slow
 @pytest.mark.end_to_end
 @pytest.mark.skipif(os.name == "nt", reason="the page's commands are those of a POSIX shell")
 def test_the_page_from_top_to_bottom(tmp_path: Path) -> None:

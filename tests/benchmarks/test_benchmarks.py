@@ -123,6 +123,7 @@ def test_an_unknown_benchmark_is_wrong_input(capsys: pytest.CaptureFixture[str])
     assert all(name in told for name in BENCHMARKS)
 
 
+@pytest.mark.slow
 @pytest.mark.end_to_end
 @pytest.mark.skipif(not MODELS.is_dir(), reason="the published models are not here")
 def test_a_planner_answers_from_a_process_of_its_own() -> None:

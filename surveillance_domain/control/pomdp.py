@@ -102,9 +102,10 @@ class PomdpController:
         predicted = self.belief.predict(self._chooser.moves)
         weighed, impossible = self._beyond.weighed(predicted, beyond, by)
         known |= {f"{target}.location": cell for target, cell in impossible.items()}
-        if self.missed is not None:
+        missed = self.missed
+        if missed is not None:
             unseen = [target for target, cell in cells.items() if cell is None]
-            weighed = self._beyond.unseen(weighed, unseen, self.missed)
+            weighed = self._beyond.unseen(weighed, unseen, missed)
         self.belief = weighed.condition(observed, known, restart=partial(self._restarted, cells, predicted))
         if self.roster is not None:
             self.belief = self.roster.updated(self.belief, seen, sighting.time_s)
